@@ -1,0 +1,44 @@
+"""punchform: how a flat grid of wires becomes a shell when it is pressed over a punch.
+
+>>> from punchform import read_case, run
+>>> formed = run(read_case("packaged:new")).formed
+>>> formed.outcome.name
+'CONVERGED'
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from punchform.case import Case as Case
+    from punchform.case import read_case as read_case
+    from punchform.press import Formed as Formed
+    from punchform.run import Run as Run
+    from punchform.run import run as run
+
+__version__ = "0.1.0"
+
+__all__ = ["Case", "Formed", "Run", "__version__", "read_case", "run"]
+
+_HOMES = {"Case": "case", "read_case": "case", "Formed": "press", "Run": "run", "run": "run"}
+
+
+def __getattr__(name: str) -> Any:
+    """Public names load on first use: `punchform --help` must not wait for NumPy and Numba."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+
+
+class _Package(ModuleType):
+    """The package, in which `run` is the function also after the module `punchform.run` was imported."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        super().__setattr__(name, value.run if name == "run" and isinstance(value, ModuleType) else value)
+
+
+sys.modules[__name__].__class__ = _Package
