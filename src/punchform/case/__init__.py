@@ -1,0 +1,66 @@
+"""The case: what the user asks for, read from a file, checked, in internal units (mm, N, MPa, rad)."""
+
+from punchform.case.after import HoldFrom, ReleaseCase, TargetCase
+from punchform.case.grid import Blank, CircleBlank, CrossingSpring, GridCase, PolygonBlank, RectangleBlank
+from punchform.case.memory import machine_memory
+from punchform.case.packaged import TEMPLATE, packaged_cases, packaged_text
+from punchform.case.press import DescentCase, PressCase, SolverCase
+from punchform.case.punch import (
+    ConeProfile,
+    EllipsoidProfile,
+    ExpressionProfile,
+    FlatProfile,
+    ParaboloidProfile,
+    PolynomialProfile,
+    Profile,
+    PunchCase,
+    SphereProfile,
+    TableProfile,
+)
+from punchform.case.reading import CaseText, case_from_text, parse, read_case, read_text
+from punchform.case.schema import json_schema
+from punchform.case.whole import Case
+from punchform.case.wire import Centreline, CosineLine, PointsLine, StraightLine, WireCase
+from punchform.case.writing import write_case
+
+__all__ = [
+    "TEMPLATE",
+    "Blank",
+    "Case",
+    "CaseText",
+    "Centreline",
+    "CircleBlank",
+    "ConeProfile",
+    "CosineLine",
+    "CrossingSpring",
+    "DescentCase",
+    "EllipsoidProfile",
+    "ExpressionProfile",
+    "FlatProfile",
+    "GridCase",
+    "HoldFrom",
+    "ParaboloidProfile",
+    "PointsLine",
+    "PolygonBlank",
+    "PolynomialProfile",
+    "PressCase",
+    "Profile",
+    "PunchCase",
+    "RectangleBlank",
+    "ReleaseCase",
+    "SolverCase",
+    "SphereProfile",
+    "StraightLine",
+    "TableProfile",
+    "TargetCase",
+    "WireCase",
+    "case_from_text",
+    "json_schema",
+    "machine_memory",
+    "packaged_cases",
+    "packaged_text",
+    "parse",
+    "read_case",
+    "read_text",
+    "write_case",
+]

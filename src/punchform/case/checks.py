@@ -1,0 +1,181 @@
+"""What no single setting shows: sections of a case that contradict each other.
+
+Each check takes sections that are valid by themselves; a section that is missing or invalid is None and the
+checks that need it are passed over, so that all problems of a file can be told at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from punchform.case.after import HoldFrom, ReleaseCase, TargetCase
+from punchform.case.grid import CircleBlank, GridCase, PolygonBlank, RectangleBlank
+from punchform.case.memory import (
+    BYTES_PER_NODE,
+    blank_area,
+    blank_reach,
+    machine_memory,
+    solved_nodes,
+)
+from punchform.case.press import PressCase, SolverCase
+from punchform.case.punch import PunchCase
+from punchform.case.wire import StraightLine, WireCase, rise
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One contradiction: the path of the key that is best changed, what is wrong, what to do."""
+
+    key: tuple[str | int, ...]
+    message: str
+    hint: str = ""
+
+
+def findings(
+    *,
+    grid: GridCase | None,
+    wire: WireCase | None,
+    punch: PunchCase | None,
+    press: PressCase | None,
+    solver: SolverCase | None,
+    release: ReleaseCase | None,
+    target: TargetCase | None,
+) -> Iterator[Finding]:
+    """All contradictions between (and inside) the sections that are given."""
+    if grid:
+        yield from _grid_fits_machine(grid)
+        yield from _polygon_has_area(grid)
+    if wire:
+        yield from _wire_is_described_once(wire)
+    if grid and wire:
+        yield from _wire_fits_step(grid, wire)
+    if grid and punch:
+        yield from _blank_reaches_rim(grid, punch)
+    if press:
+        yield from _press_is_consistent(press)
+    if grid and press:
+        yield from _kinematics_knows_crossing(grid, press)
+    if grid and release:
+        yield from _something_is_held(grid, release)
+    if punch and target:
+        yield from _aperture_inside_rim(punch, target)
+
+
+def _grid_fits_machine(grid: GridCase) -> Iterator[Finding]:
+    nodes = solved_nodes(grid)
+    needed, there = nodes * BYTES_PER_NODE, machine_memory()
+    if needed > there:
+        smallest = max(grid.step) * (needed / there) ** 0.5
+        yield Finding(
+            ("grid", "step"),
+            f"about {nodes:.3g} crossings would have to be solved, which takes about "
+            f"{needed / 2**30:.3g} GiB of memory; this machine has {there / 2**30:.3g} GiB",
+            f"take a step of {smallest:.2g} mm or more, a smaller blank, or a larger machine",
+        )
+
+
+def _polygon_has_area(grid: GridCase) -> Iterator[Finding]:
+    if isinstance(grid.blank, PolygonBlank) and blank_area(grid.blank) < 1e-9 * blank_reach(grid.blank) ** 2:
+        yield Finding(("grid", "blank", "points"), "the corners enclose no area")
+
+
+def _wire_is_described_once(wire: WireCase) -> Iterator[Finding]:
+    if wire.stiffness is not None and wire.centreline is not None:
+        yield Finding(
+            ("wire", "centreline"),
+            "the stiffness is given, so a centreline would have no effect",
+            "leave out `centreline` or `stiffness`",
+        )
+    elif wire.centreline is not None and wire.height != rise(wire.centreline):
+        yield Finding(
+            ("wire", "height"),
+            f"{wire.height:g} mm contradicts the centreline, whose height is {rise(wire.centreline):g} mm",
+            "leave out `height`: it is only needed beside `stiffness`",
+        )
+
+
+def _wire_fits_step(grid: GridCase, wire: WireCase) -> Iterator[Finding]:
+    step = min(grid.step)
+    if wire.diameter >= step:
+        yield Finding(
+            ("wire", "diameter"),
+            f"a wire of {wire.diameter:g} mm is as thick as the step of {step:g} mm or thicker",
+            "wires of one family would overlap; check the units of both",
+        )
+    elif abs(wire.height) > step:
+        key = "height" if wire.centreline is None else "centreline"
+        yield Finding(
+            ("wire", key),
+            f"a crimp height of {wire.height:g} mm is more than the step of {step:g} mm",
+            "the crimp of a woven wire is about one diameter",
+        )
+    if grid.weave == "stacked" and wire.stiffness is None and not isinstance(wire.centreline, StraightLine):
+        yield Finding(
+            ("wire", "centreline"),
+            "a stacked grid is made of straight wires",
+            'write centreline = { kind = "straight", height = "..." } or choose weave = "plain"',
+        )
+
+
+def _blank_reaches_rim(grid: GridCase, punch: PunchCase) -> Iterator[Finding]:
+    match grid.blank:
+        case CircleBlank(radius=radius):
+            reach, key = radius, "radius"
+        case RectangleBlank(size=size):
+            reach, key = 0.5 * min(size), "size"
+        case _:
+            return
+    if reach < punch.rim_radius:
+        yield Finding(
+            ("grid", "blank", key),
+            f"the blank reaches {reach:g} mm from the axis and so not to the rim at {punch.rim_radius:g} mm",
+            "take a larger blank: the press draws some of it in",
+        )
+    elif max(grid.step) > punch.rim_radius:
+        yield Finding(
+            ("grid", "step"),
+            f"a step of {max(grid.step):g} mm is more than the rim radius of {punch.rim_radius:g} mm",
+            "no crossing but the one on the axis would lie on the punch; check the units of both",
+        )
+
+
+def _press_is_consistent(press: PressCase) -> Iterator[Finding]:
+    if press.pull is not None and press.rim == "clamp":
+        yield Finding(
+            ("press", "pull"),
+            'a clamped rim lets no wire end move, so a pull contradicts rim = "clamp"',
+            'leave out `pull` or choose rim = "draw"',
+        )
+    if press.method == "descent" and press.descent.rule != "exact" and press.descent.step_length is None:
+        yield Finding(
+            ("press", "descent", "step_length"),
+            f"is missing: the rule '{press.descent.rule}' needs a step length such as '0.001 mm/N'",
+        )
+
+
+def _kinematics_knows_crossing(grid: GridCase, press: PressCase) -> Iterator[Finding]:
+    if grid.crossing == "welded" and press.kinematics == "differences":
+        yield Finding(
+            ("press", "kinematics"),
+            "welded crossings need the free kinematics: with differences the tangents follow from positions",
+            'use kinematics = "free", or a crossing spring',
+        )
+
+
+def _something_is_held(grid: GridCase, release: ReleaseCase) -> Iterator[Finding]:
+    if isinstance(release.hold, HoldFrom) and release.hold.from_radius > blank_reach(grid.blank):
+        yield Finding(
+            ("release", "hold", "from_radius"),
+            f"no node lies beyond {release.hold.from_radius:g} mm: the blank reaches {blank_reach(grid.blank):g} mm",
+            'take a smaller radius, or hold = "nothing"',
+        )
+
+
+def _aperture_inside_rim(punch: PunchCase, target: TargetCase) -> Iterator[Finding]:
+    if target.aperture_radius > punch.rim_radius:
+        yield Finding(
+            ("target", "aperture_radius"),
+            f"an aperture of {target.aperture_radius:g} mm reaches beyond the rim at {punch.rim_radius:g} mm",
+            "accuracy is judged on the formed surface, inside the rim",
+        )

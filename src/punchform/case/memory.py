@@ -1,0 +1,62 @@
+"""Does the grid fit into the memory of this machine?"""
+
+from __future__ import annotations
+
+import math
+import os
+
+from punchform.case.grid import Blank, CircleBlank, GridCase, PolygonBlank, RectangleBlank
+
+BYTES_PER_NODE = 25_000
+"""Memory per solved node, mostly the sparse factors (6 to 7 unknowns per node)."""
+
+ASSUMED_MEMORY = 8 * 2**30
+"""What a machine is taken to have when it does not say."""
+
+
+def machine_memory() -> int:
+    """Memory of this machine [bytes]; 8 GiB where the system does not tell."""
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return ASSUMED_MEMORY
+
+
+def solved_nodes(grid: GridCase) -> float:
+    """About how many nodes will be solved: area over step, a quarter with mirror planes."""
+    return blank_area(grid.blank) / (grid.step[0] * grid.step[1]) / (4.0 if _has_quarter(grid) else 1.0)
+
+
+def blank_area(blank: Blank) -> float:
+    """Area of the blank [mm²]."""
+    match blank:
+        case CircleBlank(radius=radius):
+            return math.pi * radius * radius
+        case RectangleBlank(size=(width, depth)):
+            return width * depth
+        case PolygonBlank(points=points):
+            following = points[1:] + points[:1]
+            pairs = zip(points, following, strict=True)
+            return 0.5 * abs(math.fsum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in pairs))
+
+
+def blank_reach(blank: Blank) -> float:
+    """The farthest point of the blank from the axis [mm]."""
+    match blank:
+        case CircleBlank(radius=radius):
+            return radius
+        case RectangleBlank(size=(width, depth)):
+            return 0.5 * math.hypot(width, depth)
+        case PolygonBlank(points=points):
+            return max(math.hypot(x, y) for x, y in points)
+
+
+def _has_quarter(grid: GridCase) -> bool:
+    if grid.symmetry == "full" or grid.centre == "cell":
+        return False
+    match grid.blank:
+        case PolygonBlank(points=points):
+            corners = {(round(x, 6), round(y, 6)) for x, y in points}
+            return corners == {(-x, y) for x, y in corners} == {(x, -y) for x, y in corners}
+        case _:
+            return True

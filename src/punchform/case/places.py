@@ -1,0 +1,152 @@
+"""On which line of a case file each key stands.
+
+The scanner reads text that a TOML parser has accepted already, so it only has to find the ends of things.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from bisect import bisect_right
+
+Path = tuple[str | int, ...]
+
+_BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
+_SPACE = re.compile(r"[ \t]*")
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
+_STRING = re.compile(
+    r'"""(?:[^\\]|\\.)*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'',
+    re.DOTALL,
+)
+_BARE_VALUE = re.compile(r"[^,\]}#\r\n]+")
+
+
+def key_lines(text: str) -> dict[Path, int]:
+    """The line, from 1, of every table, key and list entry of a valid TOML text.
+
+    >>> key_lines('[grid]\\nstep = 1\\nblank = { radius = 2 }')[("grid", "blank", "radius")]
+    3
+    """
+    scanner = _Scanner(text)
+    scanner.document()
+    return scanner.lines
+
+
+def line_of(lines: dict[Path, int], path: Path) -> int:
+    """The line of a path, or of the nearest table around it; 1 when there is none."""
+    for length in range(len(path), 0, -1):
+        if path[:length] in lines:
+            return lines[path[:length]]
+    return 1
+
+
+class _Scanner:
+    """Walks through the text once and notes where each path begins."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.at = 0
+        self.lines: dict[Path, int] = {}
+        self._breaks = [found.start() for found in re.finditer("\n", text)]
+        self._counts: dict[Path, int] = {}
+
+    def document(self) -> None:
+        """Headers and assignments to the end of the text."""
+        table: Path = ()
+        self._skip(_BLANK)
+        while self.at < len(self.text):
+            if self.text[self.at] == "[":
+                table = self._header()
+            else:
+                self._assignment(table)
+            self._skip(_BLANK)
+
+    def _header(self) -> Path:
+        many = self.text.startswith("[[", self.at)
+        start = self.at
+        self.at += 2 if many else 1
+        table = self._resolved(self._key())
+        self.at += 2 if many else 1
+        if many:
+            self._counts[table] = self._counts.get(table, -1) + 1
+            table = (*table, self._counts[table])
+        self._note(table, start)
+        return table
+
+    def _resolved(self, key: Path) -> Path:
+        """The path of a header; below a list of tables it means the last of them."""
+        path: Path = ()
+        for part in key[:-1]:
+            path = (*path, part)
+            if path in self._counts:
+                path = (*path, self._counts[path])
+        return (*path, key[-1])
+
+    def _assignment(self, table: Path) -> None:
+        start = self.at
+        path = (*table, *self._key())
+        for length in range(len(table) + 1, len(path) + 1):
+            self._note(path[:length], start)
+        self.at += 1  # the equals sign
+        self._skip(_SPACE)
+        self._value(path)
+
+    def _key(self) -> Path:
+        parts: list[str | int] = []
+        while True:
+            self._skip(_SPACE)
+            quoted = self.text[self.at] in "\"'"
+            found = (_STRING if quoted else _BARE_KEY).match(self.text, self.at)
+            assert found is not None, "only valid TOML is scanned"
+            parts.append(_unquoted(found.group()) if quoted else found.group())
+            self.at = found.end()
+            self._skip(_SPACE)
+            if self.text[self.at] != ".":
+                return tuple(parts)
+            self.at += 1
+
+    def _value(self, path: Path) -> None:
+        first = self.text[self.at]
+        if first == "[":
+            self._list(path)
+        elif first == "{":
+            self._inline_table(path)
+        else:
+            self._skip(_STRING if first in "\"'" else _BARE_VALUE)
+
+    def _list(self, path: Path) -> None:
+        self.at += 1
+        self._skip(_BLANK)
+        count = 0
+        while self.text[self.at] != "]":
+            self._note((*path, count), self.at)
+            self._value((*path, count))
+            count += 1
+            self._skip_comma()
+        self.at += 1
+
+    def _inline_table(self, path: Path) -> None:
+        self.at += 1
+        self._skip(_BLANK)
+        while self.text[self.at] != "}":
+            self._assignment(path)
+            self._skip_comma()
+        self.at += 1
+
+    def _skip_comma(self) -> None:
+        self._skip(_BLANK)
+        if self.text[self.at] == ",":
+            self.at += 1
+            self._skip(_BLANK)
+
+    def _skip(self, pattern: re.Pattern[str]) -> None:
+        found = pattern.match(self.text, self.at)
+        assert found is not None, "only valid TOML is scanned"
+        self.at = found.end()
+
+    def _note(self, path: Path, position: int) -> None:
+        self.lines.setdefault(path, bisect_right(self._breaks, position - 1) + 1)
+
+
+def _unquoted(key: str) -> str:
+    return str(tomllib.loads(f"key = {key}")["key"])

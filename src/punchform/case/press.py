@@ -1,0 +1,58 @@
+"""The [press] and [solver] sections: how the grid is pressed, and how the energy is minimised."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from punchform.case.parts import Count, Force, Part, PositiveCompliance, Quantity
+from punchform.units import NUMBER
+
+
+class DescentCase(Part):
+    """The paper's descent P(18)-P(20): how its step length lambda is found, and when it stops."""
+
+    rule: Literal["exact", "fixed", "reuse-direction"] = Field(
+        default="exact",
+        description="exact: lambda from second derivatives; fixed: one lambda throughout; "
+        "reuse-direction: one direction until the energy grows",
+    )
+    step_length: PositiveCompliance | None = Field(
+        default=None, description="lambda of P(19) [mm/N]; needed by the rules fixed and reuse-direction"
+    )
+    max_steps: Count = Field(default=20_000, description="steps after which the descent stops")
+
+
+class PressCase(Part):
+    """How the grid is pressed onto the punch, and by which formulation."""
+
+    kinematics: Literal["free", "differences"] = Field(
+        default="free",
+        description="free: node frames are unknowns; differences: the paper's P(12), P(17)",
+    )
+    offset: Literal["centred", "lower"] = Field(
+        default="centred", description="centred: e = h/2; lower: e = h, the paper's P(14); see Eq. (3.1)"
+    )
+    rim: Literal["draw", "clamp"] = Field(
+        default="draw", description="draw: the flange slides in freely; clamp: held from the rim outwards"
+    )
+    method: Literal["newton", "descent"] = Field(
+        default="newton", description="newton: exact Hessian; descent: the paper's method, for comparison"
+    )
+    pull: tuple[Force, Force] | None = Field(
+        default=None, description="outward force on every wire end of the two families [N]"
+    )
+    descent: DescentCase = Field(default=DescentCase(), description="only used with method = 'descent'")
+
+
+class SolverCase(Part):
+    """The Newton method and the linear solver under it."""
+
+    linear: Literal["auto", "rslab", "pardiso", "scipy"] = Field(
+        default="auto", description="library for the sparse factorisation"
+    )
+    max_steps: Count = Field(default=60, description="Newton steps after which the solve gives up")
+    tolerance: Annotated[float, Quantity(NUMBER, above=0.0, most=1e-2)] = Field(
+        default=1e-12, description="Newton decrement relative to the energy at which the solve is done [-]"
+    )

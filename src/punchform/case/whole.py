@@ -1,0 +1,49 @@
+"""The whole case: all sections of the file, checked against each other."""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+from pydantic import ConfigDict, Field, model_validator
+
+from punchform.case.after import ReleaseCase, TargetCase
+from punchform.case.checks import findings
+from punchform.case.grid import GridCase
+from punchform.case.parts import Part
+from punchform.case.press import PressCase, SolverCase
+from punchform.case.punch import PunchCase
+from punchform.case.wire import WireCase
+from punchform.errors import InputError, Problem
+
+SCHEMA: Literal[1] = 1
+"""The version of the case file that this program reads and writes."""
+
+
+class Case(Part):
+    """Everything a run needs to know, in internal units (mm, N, MPa, rad).
+
+    Raises InputError when sections contradict each other, with all contradictions.
+    """
+
+    model_config = ConfigDict(title="punchform case", validate_by_name=True, validate_by_alias=True)
+
+    schema_version: Literal[1] = Field(default=SCHEMA, alias="schema", description="version of the case file")
+    title: str = Field(default="untitled", description="what the reports call this case", max_length=200)
+    grid: GridCase = Field(description="the flat grid")
+    wire: WireCase = Field(description="one wire between two crossings")
+    punch: PunchCase = Field(description="the tool")
+    press: PressCase = Field(default=PressCase(), description="how the grid is pressed")
+    solver: SolverCase = Field(default=SolverCase(), description="how the energy is minimised")
+    release: ReleaseCase | None = Field(default=None, description="what stays held after the press")
+    target: TargetCase | None = Field(default=None, description="the wanted shape")
+
+    @model_validator(mode="after")
+    def _belongs_together(self) -> Self:
+        found = tuple(findings(**{name: getattr(self, name) for name in SECTIONS}))
+        if found:
+            raise InputError(Problem(one.message, ".".join(map(str, one.key)), one.hint) for one in found)
+        return self
+
+
+SECTIONS: tuple[str, ...] = ("grid", "wire", "punch", "press", "solver", "release", "target")
+"""The tables of a case file in the order in which they are written."""

@@ -1,0 +1,155 @@
+"""The [wire] section: material, diameter and centreline of one wire, or its stiffness as it is."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+
+from punchform.case.parts import (
+    Count,
+    Length,
+    LengthFromZero,
+    MisfitError,
+    Number,
+    Part,
+    PositiveLength,
+    PositiveStress,
+    Quantity,
+)
+from punchform.case.tables import points_in_place_of_file
+from punchform.units import LENGTH, NUMBER, UnitError, quantity
+
+PAPER_DIAMETER = 0.75
+"""Diameter and crimp height of the wire of the paper's Table 1 [mm]."""
+
+Row = tuple[Number, Number, Number, Number, Number, Number]
+Matrix = tuple[Row, Row, Row, Row, Row, Row]
+
+
+class CosineLine(Part):
+    """A woven wire: half a cosine from under one crossing wire to over the next."""
+
+    kind: Literal["cosine"] = "cosine"
+    height: LengthFromZero = Field(description="crimp height h [mm]; in a case file it is the diameter when left out")
+    segments: Count = Field(default=64, description="straight pieces that stand for the curve")
+
+
+class StraightLine(Part):
+    """A straight wire: welded or stacked mesh."""
+
+    kind: Literal["straight"] = "straight"
+    height: LengthFromZero = Field(default=0.0, description="distance between the two families along the normal [mm]")
+
+
+class PointsLine(Part):
+    """A wire along given points, from one crossing to the next."""
+
+    kind: Literal["points"] = "points"
+    points: tuple[tuple[Length, ...], ...] = Field(
+        description="points (x along the wire, z crimp) or (x, y, z) [mm]", min_length=2
+    )
+    file: str | None = Field(
+        default=None,
+        description="CSV file with the points [mm], relative to the case file; its points take its place",
+    )
+
+    _read_file = model_validator(mode="before")(points_in_place_of_file)
+
+    @model_validator(mode="after")
+    def _rows_alike(self) -> Self:
+        widths = {len(point) for point in self.points}
+        if widths not in ({2}, {3}):
+            raise MisfitError("every point needs the same 2 numbers (x, z) or 3 numbers (x, y, z)", key=("points",))
+        return self
+
+
+Centreline = Annotated[CosineLine | StraightLine | PointsLine, Discriminator("kind")]
+
+
+def _six_by_six(rows: Any) -> Any:
+    if [len(row) if isinstance(row, list | tuple) else 0 for row in rows] != [6] * 6:
+        raise MisfitError("expected 6 rows of 6 numbers", hint="rows and columns as in Eq. (2.1): P, then M")
+    return rows
+
+
+def _stiffness_kind(value: Any) -> str:
+    return "<matrix>" if isinstance(value, list | tuple) else "<word>"
+
+
+Stiffness = Annotated[
+    Annotated[Literal["paper"], Tag("<word>")] | Annotated[Matrix, BeforeValidator(_six_by_six), Tag("<matrix>")],
+    Discriminator(_stiffness_kind),
+]
+
+
+def _own_centreline(known: dict[str, Any]) -> CosineLine | None:
+    return CosineLine(height=known["diameter"]) if known["stiffness"] is None else None
+
+
+def rise(line: Centreline) -> float:
+    """How much higher the wire ends than it starts: the crimp height h [mm]."""
+    match line:
+        case PointsLine(points=points):
+            return points[-1][-1] - points[0][-1]
+        case _:
+            return line.height
+
+
+def _own_height(known: dict[str, Any]) -> float:
+    line = known["centreline"]
+    return float(known["diameter"]) if line is None else rise(line)
+
+
+def _length_or_nil(diameter: object) -> float:
+    # A diameter that cannot be read is complained about once, where it stands, not for the height too.
+    try:
+        return quantity(diameter, LENGTH)
+    except UnitError:
+        return 0.0
+
+
+class WireCase(Part):
+    """One wire between two crossings: its 6 x 6 stiffness follows from it, Eq. (2.4), or is given."""
+
+    stiffness: Stiffness | None = Field(
+        default=None,
+        description="'paper' for the paper's Table 1, or 6 rows of 6 numbers in element axes "
+        "[N/mm, N, N mm], Eq. (2.1); then no centreline is needed",
+    )
+    diameter: PositiveLength = Field(
+        default=PAPER_DIAMETER, description="wire diameter [mm]; needed unless stiffness = 'paper'"
+    )
+    youngs_modulus: PositiveStress = Field(
+        default=210000.0, description="Young's modulus E [MPa]; needed unless the stiffness is given"
+    )
+    poisson: Annotated[float, Quantity(NUMBER, above=-1.0, most=0.5)] = Field(
+        default=0.3, description="Poisson's ratio nu [-]"
+    )
+    shear_factor: Annotated[float, Quantity(NUMBER, above=0.0, most=1.0)] = Field(
+        default=0.9, description="shear factor kappa of the section [-]"
+    )
+    yield_strength: PositiveStress | None = Field(
+        default=None, description="yield strength [MPa]; gives the ratio of stress to it"
+    )
+    centreline: Centreline | None = Field(
+        default_factory=_own_centreline,
+        description="how the wire runs between two crossings; a cosine of one diameter when left out",
+    )
+    height: Length = Field(
+        default_factory=_own_height,
+        description="crimp height h [mm]: the centreline's, or the diameter beside a given stiffness",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _demand_and_complete(cls, values: Any) -> Any:
+        if not isinstance(values, dict):
+            return values
+        # None is refused by both fields: a wire is never given a size or a material silently.
+        needed = {"diameter": None} if values.get("stiffness") != "paper" else {}
+        needed |= {"youngs_modulus": None} if values.get("stiffness") is None else {}
+        line = values.get("centreline")
+        if isinstance(line, dict) and line.get("kind") == "cosine":
+            values = {**values, "centreline": {"height": _length_or_nil(values.get("diameter")), **line}}
+        return {**needed, **values}

@@ -1,0 +1,44 @@
+"""From a Case to the text of a case file with every key in it and every unit written out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from punchform.case.whole import SECTIONS, Case
+
+_WIDTH = 100
+
+
+def write_case(case: Case) -> str:
+    """The resolved case as TOML: defaults, units and the points of files included.
+
+    Reading it back gives an equal Case. Absent keys (None) are left out: TOML has no word for them.
+    """
+    content = case.model_dump(mode="json", by_alias=True, exclude_none=True)
+    parts = [f"schema = {content['schema']}\ntitle = {_value(content['title'])}"]
+    for name in SECTIONS:
+        if name in content:
+            lines = [f"[{name}]"] + [f"{key} = {_entry(value)}" for key, value in content[name].items()]
+            parts.append("\n".join(lines))
+    return "\n\n".join(parts) + "\n"
+
+
+def _entry(value: Any) -> str:
+    """A value on one line, or a long list with one entry per line."""
+    line = _value(value)
+    if isinstance(value, list) and len(line) > _WIDTH:
+        return "[\n" + "".join(f"    {_value(each)},\n" for each in value) + "]"
+    return line
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, str):
+        # JSON escapes all that TOML wants escaped, but for one control character.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{key} = {_value(each)}" for key, each in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(_value(each) for each in value) + "]"
+    return repr(value)
