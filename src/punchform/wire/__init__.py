@@ -1,0 +1,31 @@
+"""The wire room: material and centreline → 6×6 stiffness by unit loads, Eq. (2.4)."""
+
+from punchform.wire.centreline import Centreline, cosine_line, line_through, straight_line
+from punchform.wire.element import Element, along, given, mirror_symmetric, stiffness
+from punchform.wire.element_plot import plot_element
+from punchform.wire.element_report import ElementReport, describe
+from punchform.wire.flexibility import deflections, flexibility, inverse, straight_wire
+from punchform.wire.section import Section, round_section
+from punchform.wire.stress import stress
+
+__all__ = [
+    "Centreline",
+    "Element",
+    "ElementReport",
+    "Section",
+    "along",
+    "cosine_line",
+    "deflections",
+    "describe",
+    "flexibility",
+    "given",
+    "inverse",
+    "line_through",
+    "mirror_symmetric",
+    "plot_element",
+    "round_section",
+    "stiffness",
+    "straight_line",
+    "straight_wire",
+    "stress",
+]
