@@ -1,0 +1,1 @@
+"""From node frames to a minimum of the energy: element, kinematics, assembly, factorisation, Newton, descent."""

@@ -1,0 +1,193 @@
+"""From elements to one energy, one gradient and one sparse matrix: the pattern is analysed once.
+
+The energy of the grid is Eq. (3.3), plus the crossing springs of Eq. (4.5), minus the work of the pull of Eq. (5.2).
+Elements are grouped in colours: two elements of one colour touch no common unknown, so both cores can add to the same
+arrays. The kernels release the interpreter lock and run in a thread pool.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from functools import cached_property
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from punchform.arrays import Floats, Ints
+from punchform.grid import Grid
+from punchform.mechanics import sweeps
+from punchform.mechanics.frames import State, crossing_angle
+from punchform.mechanics.kinematics import Chart, Kinematics
+from punchform.mechanics.pattern import Pattern, analyse, colours
+
+THREADS = 2
+WORTH_A_THREAD = 4000
+"""Below this many elements of one colour a second thread costs more than it saves."""
+
+
+@dataclass(frozen=True)
+class Bars:
+    """What the elements of both families are made of, in element axes (mm, N).
+
+    C (2, 6, 6): stiffness; offset (2,): e of Eq. (3.1); length (2,): the step s.
+    """
+
+    C: Floats
+    offset: Floats
+    length: Floats
+
+
+@dataclass(frozen=True)
+class Model:
+    """The energy around a chart: energy [mJ], gradient (n,), upper CSR values (nnz,), and G (2 N, 6) of Eq. (3.4)."""
+
+    energy: float
+    gradient: Floats
+    values: Floats
+    G: Floats
+
+
+@dataclass
+class Clock:
+    """Seconds spent in the kernels and in the assembly around them."""
+
+    kernel: float = 0.0
+    assembly: float = 0.0
+
+
+@dataclass(frozen=True)
+class Energy:
+    """The energy of the grid as a function of its unknowns (one solve: grid, wire, kinematics, crossing, loads).
+
+    crossing: stiffness of the crossing springs [N mm/rad], 0 for none; loads (N, 3): dead forces on the nodes [N].
+    """
+
+    grid: Grid
+    bars: Bars
+    kinematics: Kinematics
+    crossing: float = 0.0
+    loads: Floats | None = None
+    clock: Clock = field(default_factory=Clock)
+
+    @cached_property
+    def pattern(self) -> Pattern:
+        """The sparse pattern with the places that every element adds to."""
+        begun = perf_counter()
+        ends = 2 * np.column_stack((self.grid.start, self.grid.end)) + self.grid.family[:, None]
+        unknowns = self.kinematics.unknowns
+        cliques = [unknowns[ends].reshape(self.grid.elements, -1), unknowns]
+        if self.crossing:
+            cliques.append(unknowns.reshape(self.grid.nodes, -1))
+        pattern = analyse(cliques, self.kinematics.count)
+        self.clock.assembly += perf_counter() - begun
+        return pattern
+
+    @cached_property
+    def _colours(self) -> tuple[Ints, ...]:
+        return colours(self.grid)
+
+    def elastic(self, state: State) -> tuple[Floats, Floats, Floats]:
+        """Modes D (M, 6), end forces F (M, 6) and energies (M,) of the elements, Eq. (3.2), P(3), P(8)."""
+        begun = perf_counter()
+        D, F = np.empty((self.grid.elements, 6)), np.empty((self.grid.elements, 6))
+        energies = np.empty(self.grid.elements)
+        sweeps.states(*self._of(state), D, F, energies)
+        self.clock.kernel += perf_counter() - begun
+        return D, F, energies
+
+    def at(self, state: State) -> float:
+        """The energy of the solved part [mJ]; infinite where the state is not finite."""
+        begun = perf_counter()
+        energies = np.empty(self.grid.elements)
+        sweeps.energies(*self._of(state), energies)
+        self.clock.kernel += perf_counter() - begun
+        total = float(energies @ self.grid.weight) + self.springs(state) - self._work(state)
+        return total if np.isfinite(total) else np.inf
+
+    def model(self, chart: Chart, *, exact: bool) -> Model:
+        """Energy, gradient and Hessian on a chart; the Gauss-Newton part of the Hessian alone unless exact."""
+        pattern, R = self.pattern, chart.R
+        begun = perf_counter()
+        energies = np.empty(self.grid.elements)
+        G = np.zeros((2 * self.grid.nodes, 6))
+        values = np.zeros(pattern.entries)
+
+        def sweep(chosen: Ints) -> None:
+            arguments = self._of(chart.state)
+            sweeps.models(chosen, *arguments, R, pattern.places[0], exact, energies, G, values)
+
+        self._in_threads(sweep)
+        self.clock.kernel += perf_counter() - begun
+        begun = perf_counter()
+        energy = float(energies @ self.grid.weight) + self.springs(chart.state) - self._work(chart.state)
+        self._add_crossings(chart, G, values)
+        if self.loads is not None:
+            G.reshape(-1, 2, 6)[np.arange(self.grid.nodes), self._first_wire, :3] -= self.loads
+        if exact:
+            sweeps.scatter(chart.curvature(G), pattern.places[1], values)
+        gradient = np.zeros(self.kinematics.count)
+        sweeps.reduce(R, G, self.kinematics.unknowns, gradient)
+        self.clock.assembly += perf_counter() - begun
+        return Model(energy, gradient, values, G)
+
+    def _of(self, state: State) -> tuple[Any, ...]:
+        """What the kernels need of state, grid and wire, in their order."""
+        grid, bars = self.grid, self.bars
+        tangents = state.tangents.reshape(-1, 3)
+        return (
+            *(state.positions, state.normals, tangents),
+            *(
+                grid.family,
+                grid.start,
+                grid.end,
+                grid.direction.astype(np.float64),
+                grid.sigma.astype(np.float64),
+            ),
+            *(grid.weight, bars.C, bars.offset, bars.length),
+        )
+
+    def _in_threads(self, sweep: Callable[[Ints], None]) -> None:
+        """One colour after the other, each shared among the cores where that pays."""
+        if max(len(chosen) for chosen in self._colours) < WORTH_A_THREAD:
+            for chosen in self._colours:
+                sweep(chosen)
+            return
+        with ThreadPoolExecutor(THREADS) as pool:
+            for chosen in self._colours:
+                list(pool.map(sweep, np.array_split(chosen, THREADS)))
+
+    @cached_property
+    def _first_wire(self) -> Ints:
+        return np.where(self.grid.passes[:, 0], 0, 1)
+
+    def _shear_moment(self, state: State) -> Floats:
+        """Moment of the crossing spring per node, weighted, (N,), Eq. (4.5)."""
+        crossed = self.grid.passes.all(axis=1)
+        turned = crossing_angle(state) - 0.5 * np.pi
+        return np.asarray(self.crossing * self.grid.node_weight * crossed * turned)
+
+    def springs(self, state: State) -> float:
+        """Energy of the crossing springs of the solved part, Eq. (4.5) [mJ]."""
+        if not self.crossing:
+            return 0.0
+        return float(0.5 * self._shear_moment(state) @ (crossing_angle(state) - 0.5 * np.pi))
+
+    def _work(self, state: State) -> float:
+        return 0.0 if self.loads is None else float(np.sum(self.loads * state.positions))
+
+    def _add_crossings(self, chart: Chart, G: Floats, values: Floats) -> None:
+        """Moments and stiffness of the crossing springs, Eq. (4.5): theta' = s2 - s1 about the normal."""
+        if not self.crossing:
+            return
+        nodes, normals = self.grid.nodes, chart.state.normals
+        moment = self._shear_moment(chart.state)[:, None] * normals
+        by_wire = G.reshape(nodes, 2, 6)
+        by_wire[:, 0, 3:] -= moment
+        by_wire[:, 1, 3:] += moment
+        spins = np.einsum("nwcs,nc->nws", chart.R.reshape(nodes, 2, 6, -1)[:, :, 3:], normals)
+        rate = np.concatenate((-spins[:, 0], spins[:, 1]), axis=1)
+        crossed = self.crossing * self.grid.node_weight * self.grid.passes.all(axis=1)
+        sweeps.scatter(crossed[:, None, None] * rate[:, :, None] * rate[:, None], self.pattern.places[2], values)

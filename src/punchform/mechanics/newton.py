@@ -1,0 +1,251 @@
+"""Newton's method on the sparse Hessian: the production method of docs/theory.md, section 5.
+
+The Gauss-Newton part of the Hessian, which is never indefinite, while steps are cut or the model is poor; the exact
+one near the answer. Where that has a few negative eigenvalues, their modes are turned round so that the step leads
+downhill in them too, and the grid is pushed along them: so a saddle is left, not approached. The step length follows
+Armijo's rule on the energy, a step is capped at a few grid steps and half a radian. The last factorisation, of the
+exact Hessian, tells whether the answer is a minimum.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from time import perf_counter
+
+import numpy as np
+
+from punchform.arrays import Floats
+from punchform.mechanics.assembly import Energy, Model
+from punchform.mechanics.buckling import negative_modes
+from punchform.mechanics.frames import State, is_finite
+from punchform.mechanics.kinematics import Chart
+from punchform.mechanics.linear import Factor, SingularMatrix, Solver, solver_for
+from punchform.mechanics.outcome import Outcome, Solution, Step
+from punchform.progress import Observer, Progress, silent
+
+ARMIJO = 1e-4
+SHORTEST = 2.0**-20
+"""The shortest fraction of a step that is tried."""
+LARGEST_TURN = 0.5
+"""Cap of a step's rotations [rad]."""
+FIRST_PUSH = 1e-3
+"""First push along a mode of negative curvature: rotation [rad], or shift in grid steps."""
+MOST_MODES = 8
+"""With more negative eigenvalues than this the exact Hessian is left for the Gauss-Newton part."""
+GRID_STEPS = 4.0
+"""Cap of a step's shifts, in grid steps."""
+GOOD_MODEL = 0.05
+"""The exact Hessian is used after a full step whose gain was this near, relatively, to what the model foretold ..."""
+NEAR = 1e-2
+"""... or whose decrement was below this fraction of the energy."""
+ROUNDING = 1e-13
+"""Energies nearer than this, relatively, are the same number."""
+
+
+@dataclass
+class _Tally:
+    """What a solve counts as it goes."""
+
+    history: list[Step] = field(default_factory=list)
+    factorisations: int = 0
+    evaluations: int = 0
+    factorisation: float = 0.0
+    solve: float = 0.0
+
+
+@dataclass(frozen=True)
+class _Direction:
+    """A Newton direction with what it promises; push (n, k): modes of negative curvature as columns."""
+
+    z: Floats
+    decrement: float
+    exact: bool
+    negative: int | None
+    push: Floats | None = None
+
+
+def minimise(
+    energy: Energy,
+    start: State,
+    *,
+    max_steps: int = 60,
+    tolerance: float = 1e-12,
+    linear: str = "auto",
+    stage: str = "press",
+    observe: Observer = silent,
+) -> Solution:
+    """The minimum of the energy nearest to the start.
+
+    tolerance: the solve ends when the Newton decrement, Eq. (5.1), falls below this fraction of the energy; the step
+    that belongs to it is still taken. Never raises for a solve that fails: `Solution.outcome` says how it ended.
+    """
+    begun = perf_counter()
+    solver = solver_for(energy.pattern, linear)
+    tally = _Tally()
+    state, exact, outcome, negative = start, False, Outcome.STEP_LIMIT, None
+    for number in range(max_steps):
+        chart = energy.kinematics.chart(state)
+        try:
+            model, direction = _direction(energy, chart, solver, exact, tally)
+        except SingularMatrix:
+            outcome = Outcome.SINGULAR
+            break
+        negative = direction.negative
+        scale = tolerance * max(abs(model.energy), _smallest_energy(energy))
+        if direction.decrement <= scale and exact and direction.push is None:
+            state, length = _last_step(energy, chart, model, direction), 1.0
+            outcome = _ending(direction)
+            _record(tally, number, model, direction, length, observe, stage)
+            break
+        after, length, gained = _search(energy, chart, model, direction, tally)
+        _record(tally, number, model, direction, length, observe, stage)
+        if after is None:
+            outcome = Outcome.NO_DESCENT
+            break
+        state = after
+        promised = 2 * direction.decrement * length * (1 - 0.5 * length)
+        near = direction.decrement <= NEAR * abs(model.energy)
+        exact = near or (length == 1.0 and abs(gained - promised) <= GOOD_MODEL * promised)
+    return Solution(
+        state=state,
+        outcome=outcome,
+        history=tuple(tally.history),
+        factorisations=tally.factorisations,
+        evaluations=tally.evaluations,
+        negative_eigenvalues=negative,
+        linear_solver=solver.name,
+        seconds=_split(energy, tally, perf_counter() - begun),
+    )
+
+
+def _direction(energy: Energy, chart: Chart, solver: Solver, exact: bool, tally: _Tally) -> tuple[Model, _Direction]:
+    """The Newton direction: of the exact Hessian if it is asked for and not too indefinite, else of Gauss-Newton."""
+    model = energy.model(chart, exact=exact)
+    factor = _factor(solver, model, tally)
+    negative = factor.negative if exact else None
+    modes = None
+    if negative and negative <= MOST_MODES:
+        begun = perf_counter()
+        modes = negative_modes(factor, negative)
+        tally.solve += perf_counter() - begun
+    if negative and modes is None:
+        model = energy.model(chart, exact=False)
+        factor = _factor(solver, model, tally)
+    begun = perf_counter()
+    z = factor.solve(-model.gradient)
+    if modes is not None:
+        z = modes.downhill(z, model.gradient)
+    tally.solve += perf_counter() - begun
+    return model, _Direction(
+        z,
+        decrement=-0.5 * float(model.gradient @ z),
+        exact=exact and (not negative or modes is not None),
+        negative=negative,
+        push=None if modes is None else modes.shapes,
+    )
+
+
+def _factor(solver: Solver, model: Model, tally: _Tally) -> Factor:
+    begun = perf_counter()
+    factor = solver.factor(model.values)
+    tally.factorisation += perf_counter() - begun
+    tally.factorisations += 1
+    return factor
+
+
+def _search(
+    energy: Energy, chart: Chart, model: Model, direction: _Direction, tally: _Tally
+) -> tuple[State | None, float, float]:
+    """The first state along the direction that satisfies Armijo's rule, its fraction, and the energy gained."""
+    shift, turned = chart.size(direction.z)
+    cap = GRID_STEPS * max(energy.grid.step)
+    length = min(1.0, cap / max(shift, 1e-300), LARGEST_TURN / max(turned, 1e-300))
+    slope = 2 * direction.decrement
+    while length >= SHORTEST:
+        after = chart.moved(length * direction.z)
+        tally.evaluations += 1
+        energy_after = energy.at(after) if is_finite(after) else np.inf
+        gained = model.energy - energy_after
+        if gained >= ARMIJO * length * slope - ROUNDING * abs(model.energy):
+            if direction.push is not None:
+                after, energy_after = _pushed(energy, chart, direction, length, energy_after, tally)
+            return after, length, model.energy - energy_after
+        length *= _shortened(length, slope, gained)
+    return None, 0.0, 0.0
+
+
+def _pushed(
+    energy: Energy, chart: Chart, direction: _Direction, length: float, reached: float, tally: _Tally
+) -> tuple[State, float]:
+    """The lowest state beyond the step along each mode of negative curvature, by doubling, and its energy."""
+    assert direction.push is not None
+    best = length * direction.z
+    for mode in direction.push.T:
+        shift, turned = chart.size(mode)
+        unit = 1.0 / max(shift / max(energy.grid.step), turned, 1e-300)
+        for sign in (1.0, -1.0):
+            reach, found = FIRST_PUSH, False
+            while reach <= LARGEST_TURN:
+                trial = best + sign * reach * unit * mode
+                after = chart.moved(trial)
+                tally.evaluations += 1
+                lower = energy.at(after) if is_finite(after) else np.inf
+                if lower >= reached:
+                    break
+                further, reached, found = trial, lower, True
+                reach *= 2.0
+            if found:
+                best = further
+                break
+    return chart.moved(best), reached
+
+
+def _shortened(length: float, slope: float, gained: float) -> float:
+    """Factor on the length: the minimum of the parabola through what is known, between 0.1 and 0.5."""
+    if not np.isfinite(gained):
+        return 0.25
+    return float(np.clip(0.5 * slope * length / (slope * length - gained), 0.1, 0.5))
+
+
+def _last_step(energy: Energy, chart: Chart, model: Model, direction: _Direction) -> State:
+    """The state after the step that belongs to a converged decrement, unless rounding spoils it."""
+    after = chart.moved(direction.z)
+    worse = energy.at(after) > model.energy + ROUNDING * abs(model.energy)
+    return chart.state if worse or not is_finite(after) else after
+
+
+def _ending(direction: _Direction) -> Outcome:
+    if direction.negative:
+        return Outcome.SADDLE
+    return Outcome.CONVERGED if direction.negative == 0 else Outcome.STATIONARY
+
+
+def _smallest_energy(energy: Energy) -> float:
+    """An energy that is zero for every purpose: strains of 1e-12 in one element."""
+    return float(1e-24 * (energy.bars.C[:, 0, 0] * energy.bars.length**2).max())
+
+
+def _record(
+    tally: _Tally,
+    number: int,
+    model: Model,
+    direction: _Direction,
+    length: float,
+    observe: Observer,
+    stage: str,
+) -> None:
+    gradient = float(np.abs(model.gradient).max(initial=0.0))
+    relative = direction.decrement / model.energy if model.energy else 0.0
+    hessian = "exact" if direction.exact else "Gauss-Newton"
+    tally.history.append(Step(number, model.energy, gradient, relative, length, hessian))
+    observe(Progress(stage, number, model.energy, gradient))
+
+
+def _split(energy: Energy, tally: _Tally, total: float) -> dict[str, float]:
+    known = {
+        "kernel": energy.clock.kernel,
+        "assembly": energy.clock.assembly,
+        "factorisation": tally.factorisation,
+        "solve": tally.solve,
+    }
+    return known | {"other": max(total - sum(known.values()), 0.0), "total": total}

@@ -1,0 +1,56 @@
+"""Motions that cost nothing because the tool lets the grid move as a rigid body: found, and removed exactly.
+
+A whole grid on a punch of revolution may turn about the axis, one on a bare sphere about every axis. Such a motion
+leaves the energy as it is, so leaving out one unknown that takes part in it changes no answer and loads nothing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import qr
+
+from punchform.arrays import Floats
+from punchform.grid import Grid
+from punchform.mechanics.frames import State, turned
+from punchform.mechanics.kinematics import UNUSED, Chart, Kinematics
+
+REPRESENTED = 1e-9
+"""A rigid motion is free when the unknowns follow it to this fraction of its size, rms over the nodes."""
+
+
+def free_motions(grid: Grid, kinematics: Kinematics, chart: Chart) -> tuple[int, ...]:
+    """One unknown for each independent rigid motion that the unknowns can follow at this state."""
+    x = chart.state.positions
+    rows = 2 * np.arange(grid.nodes) + np.where(grid.passes[:, 0], 0, 1)
+    shifts, unknowns = chart.R[rows, :3], kinematics.unknowns[rows]
+    generators = np.concatenate(
+        [
+            np.broadcast_to(np.eye(3)[:, None], (3, *x.shape)),
+            np.cross(np.eye(3)[:, None], x) / np.abs(x).max(),
+        ]
+    )
+    followed = np.einsum("ncs,gnc->gns", shifts, generators) * (unknowns != UNUSED)
+    missed = generators - np.einsum("ncs,gns->gnc", shifts, followed)
+    values, vectors = np.linalg.eigh(np.einsum("gnc,hnc->gh", missed, missed) / grid.nodes)
+    free = vectors[:, values < REPRESENTED**2]
+    if not free.size:
+        return ()
+    motions = np.einsum("gm,gns->mns", free, followed).reshape(free.shape[1], -1)
+    order = qr(motions, mode="r", pivoting=True)[1][: free.shape[1]]
+    return tuple(sorted(int(number) for number in unknowns.ravel()[order]))
+
+
+def unturned(grid: Grid, state: State) -> State:
+    """The state turned back about the z axis so that the nodes have not, on the whole, turned against the flat."""
+    (x, y), (u, v) = grid.flat.T, state.positions[:, :2].T
+    back = -np.arctan2(np.sum(x * v - y * u), np.sum(x * u + y * v))
+    rotation = np.broadcast_to((0.0, 0.0, back), state.positions.shape)
+
+    def turn(vectors: Floats) -> Floats:
+        return turned(vectors, rotation)
+
+    return State(
+        turn(state.positions),
+        turn(state.normals),
+        np.stack([turn(state.tangents[:, w]) for w in range(2)], axis=1),
+    )

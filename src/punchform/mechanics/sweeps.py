@@ -1,0 +1,169 @@
+"""The loops over elements: where the kernels of `element` meet grids, charts and the sparse matrix.
+
+All are plain loops that compile once and release the interpreter lock. Arrays common to them: x, normals (N, 3);
+tangents (2 N, 3), row 2 node + family; family, start, end, direction, sigma, weight (M,); C (2, 6, 6), offset, length
+(2,) per family.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from punchform.mechanics.element import (
+    end_force,
+    gradient,
+    loads,
+    mode_rates,
+    modes,
+    second_order,
+    wire_ends,
+)
+
+
+@njit(cache=True, nogil=True)
+def states(x, normals, tangents, family, start, end, direction, sigma, weight, C, offset, length, D, F, energies):
+    """Write modes D (M, 6), end forces F (M, 6) and energies (M,) of all elements: Eq. (3.2), P(3), P(8)."""
+    for m in range(len(family)):
+        w = family[m]
+        ends = wire_ends(x, normals, tangents, family, start, end, direction, sigma, offset[w], m)
+        modes(*ends, sigma[m], offset[w], length[w], D[m])
+        energies[m] = end_force(C[w], D[m], F[m])
+
+
+@njit(cache=True, nogil=True)
+def energies(x, normals, tangents, family, start, end, direction, sigma, weight, C, offset, length, energies):
+    """Write the energies (M,) of all elements, P(8) [mJ]."""
+    D, F = np.empty(6), np.empty(6)
+    for m in range(len(family)):
+        w = family[m]
+        ends = wire_ends(x, normals, tangents, family, start, end, direction, sigma, offset[w], m)
+        modes(*ends, sigma[m], offset[w], length[w], D)
+        energies[m] = end_force(C[w], D, F)
+
+
+@njit(cache=True, nogil=True)
+def models(
+    chosen, x, normals, tangents, family, start, end, direction, sigma, weight, C, offset, length,
+    R, places, exact, energies, G, values,
+):  # fmt: skip
+    """Add the chosen elements to G (2 N, 6) and to the sparse values; write their energies.
+
+    G is the gradient to shifts and spin vectors; the Hessian is carried to the unknowns by R (2 N, 6, S):
+    Rᵀ Jᵀ C J R, and with `exact` also the second-order terms of Eq. (3.4).
+    """
+    slots = R.shape[2]
+    D, F, g = np.empty(6), np.empty(6), np.empty(12)
+    J, K = np.empty((6, 12)), np.empty((12, 12))
+    JR, CJR = np.empty((6, 2 * slots)), np.empty((6, 2 * slots))
+    KR = np.empty((12, 2 * slots))
+    for number in range(len(chosen)):
+        m = chosen[number]
+        w = family[m]
+        e = offset[w]
+        row_o, row_b = 2 * start[m] + w, 2 * end[m] + w
+        d, t, j, n, n_b, t_b = wire_ends(x, normals, tangents, family, start, end, direction, sigma, e, m)
+        modes(d, t, j, n, n_b, t_b, sigma[m], e, length[w], D)
+        energies[m] = end_force(C[w], D, F)
+        pulls = loads(d, t, j, n, n_b, t_b, sigma[m], e, F)
+        gradient(t, j, n, n_b, t_b, pulls, g)
+        for c in range(6):
+            G[row_o, c] += weight[m] * g[c]
+            G[row_b, c] += weight[m] * g[6 + c]
+
+        mode_rates(d, t, j, n, n_b, t_b, sigma[m], e, J)
+        for k in range(6):
+            for q in range(slots):
+                at_o = at_b = 0.0
+                for c in range(6):
+                    at_o += J[k, c] * R[row_o, c, q]
+                    at_b += J[k, 6 + c] * R[row_b, c, q]
+                JR[k, q] = at_o
+                JR[k, slots + q] = at_b
+        for k in range(6):
+            for q in range(2 * slots):
+                total = 0.0
+                for r in range(6):
+                    total += C[w, k, r] * JR[r, q]
+                CJR[k, q] = total
+        if exact:
+            second_order(t, j, n, n_b, t_b, pulls, K)
+            for r in range(12):
+                for q in range(slots):
+                    at_o = at_b = 0.0
+                    for c in range(6):
+                        at_o += K[r, c] * R[row_o, c, q]
+                        at_b += K[r, 6 + c] * R[row_b, c, q]
+                    KR[r, q] = at_o
+                    KR[r, slots + q] = at_b
+
+        pair = 0
+        for p in range(2 * slots):
+            for q in range(p, 2 * slots):
+                place = places[m, pair]
+                pair += 1
+                if place == -1:
+                    continue
+                total = 0.0
+                for k in range(6):
+                    total += JR[k, p] * CJR[k, q]
+                if exact:
+                    for c in range(6):
+                        if p < slots:
+                            total += R[row_o, c, p] * KR[c, q]
+                        else:
+                            total += R[row_b, c, p - slots] * KR[6 + c, q]
+                if place >= 0:
+                    values[place] += weight[m] * total
+                else:
+                    values[-2 - place] += 2.0 * weight[m] * total
+
+
+@njit(cache=True, nogil=True)
+def scatter(matrices, places, values):
+    """Add symmetric matrices (k, S, S) to the sparse values at their places."""
+    for m in range(len(matrices)):
+        pair = 0
+        for p in range(matrices.shape[1]):
+            for q in range(p, matrices.shape[1]):
+                place = places[m, pair]
+                pair += 1
+                if place >= 0:
+                    values[place] += matrices[m, p, q]
+                elif place < -1:
+                    values[-2 - place] += 2.0 * matrices[m, p, q]
+
+
+@njit(cache=True, nogil=True)
+def reduce(R, G, unknowns, reduced):
+    """Add Rᵀ G to the gradient over the unknowns."""
+    for row in range(len(R)):
+        for q in range(R.shape[2]):
+            unknown = unknowns[row, q]
+            if unknown < 0:
+                continue
+            for c in range(6):
+                reduced[unknown] += R[row, c, q] * G[row, c]
+
+
+@njit(cache=True, nogil=True)
+def find_places(clique, indptr, indices, places):
+    """Write where each pair of each clique lies in the upper CSR values, as `Pattern.places` says."""
+    for m in range(len(clique)):
+        pair = 0
+        for p in range(clique.shape[1]):
+            for q in range(p, clique.shape[1]):
+                a, b = clique[m, p], clique[m, q]
+                if a < 0 or b < 0:
+                    places[m, pair] = -1
+                else:
+                    row, column = min(a, b), max(a, b)
+                    low, high = indptr[row], indptr[row + 1] - 1
+                    while low < high:
+                        middle = (low + high) // 2
+                        if indices[middle] < column:
+                            low = middle + 1
+                        else:
+                            high = middle
+                    places[m, pair] = -2 - low if p != q and a == b else low
+                pair += 1
