@@ -1,0 +1,269 @@
+"""The press: from the flat grid to the grid on the punch, and what is known of it there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from punchform.arrays import Bools
+from punchform.case import CrossingSpring, PressCase, SolverCase
+from punchform.errors import InputError, NoEquilibrium
+from punchform.grid import Grid
+from punchform.mechanics.assembly import Bars, Energy
+from punchform.mechanics.compiled import kernels_are_compiled
+from punchform.mechanics.descent import descend
+from punchform.mechanics.differences import Differences
+from punchform.mechanics.footing import normals_of
+from punchform.mechanics.frames import State, perpendicular
+from punchform.mechanics.kinematics import FreeFrames
+from punchform.mechanics.newton import minimise
+from punchform.mechanics.outcome import Outcome, Solution, Step
+from punchform.mechanics.rigid import free_motions, unturned
+from punchform.progress import Observer, Progress, silent
+from punchform.pull import Pull
+from punchform.punch import Surface
+from punchform.whole import Whole, unfold
+from punchform.wire import Element, stress
+
+FOLLOWED = 1e-9
+"""The pull has found its direction when no wire end turns by more than this [rad] between two passes."""
+PULL_PASSES = 30
+
+
+@dataclass(frozen=True)
+class Formed:
+    """The grid on the punch. Energies [mJ] are of the whole grid; seconds by what they were spent on.
+
+    energy_kinds: stretch ½ D1 F1, bend ½ (D3 F3 + D5 F5), in_plane ½ (D2 F2 + D6 F6), twist ½ D4 F4, and what the
+    crossing springs hold. draw_in: largest inward move of a wire end [mm]; max_shear [rad]; max_axial_strain:
+    largest D1 over the step. grid and state are of the solved part, `whole` is the whole grid.
+    """
+
+    grid: Grid
+    surface: Surface
+    state: State
+    whole: Whole
+    outcome: Outcome
+    history: tuple[Step, ...]
+    energy: float
+    energy_kinds: dict[str, float]
+    steps: int
+    factorisations: int
+    negative_eigenvalues: int | None
+    linear_solver: str
+    seconds: dict[str, float]
+    notes: tuple[str, ...]
+
+    @property
+    def solved_nodes(self) -> int:
+        """Number of nodes that were solved."""
+        return self.grid.nodes
+
+    @property
+    def max_shear(self) -> float:
+        """Largest shear of a cell, without its sign [rad]."""
+        return float(np.abs(self.whole.cell_shear).max(initial=0.0))
+
+    @property
+    def max_axial_strain(self) -> float:
+        """Largest elongation of a wire between two crossings over the step [-]."""
+        return float(self.whole.axial_strain.max())
+
+    @property
+    def draw_in(self) -> float:
+        """How far the wire ends moved towards the axis at most [mm]."""
+        ends = self.grid.wire_ends.any(axis=(1, 2))
+        flat = np.linalg.norm(self.grid.flat[ends], axis=1)
+        return float((flat - np.linalg.norm(self.state.positions[ends, :2], axis=1)).max(initial=0.0))
+
+
+def flat_start(grid: Grid, surface: Surface) -> State:
+    """The paper's start P(18): every node moves straight up onto the surface, u_x = u_y = 0, u_z = f."""
+    positions = np.column_stack((grid.flat, surface.height(grid.flat)))
+    normals = normals_of(surface.gap(positions))
+    along = (np.broadcast_to(np.eye(3)[w], normals.shape) for w in range(2))
+    return State(positions, normals, np.stack([perpendicular(t, normals) for t in along], axis=1))
+
+
+def press(
+    grid: Grid,
+    elements: tuple[Element, Element],
+    surface: Surface,
+    case: PressCase,
+    *,
+    crossing: str | CrossingSpring = "pinned",
+    solver: SolverCase | None = None,
+    yield_strength: float | None = None,
+    start: State | None = None,
+    observe: Observer = silent,
+) -> Formed:
+    """Press the grid onto the surface: the minimum of its energy among all grids that lie there, Eq. (3.3).
+
+    start: where the search begins, the paper's P(18) when it is not given. Raises InputError for settings that
+    contradict each other and NoEquilibrium when the solve ends without an equilibrium.
+    """
+    solver = solver or SolverCase()
+    if not kernels_are_compiled():
+        observe(Progress("press", message="compiling the kernels; only the first run does this"))
+    begin = flat_start(grid, surface) if start is None else start
+    kinematics = _kinematics(grid, surface, case, crossing)
+    pins = free_motions(grid, kinematics, kinematics.chart(begin))
+    energy = Energy(
+        grid,
+        _bars(elements, case),
+        replace(kinematics, pins=pins),
+        crossing=crossing.stiffness if isinstance(crossing, CrossingSpring) else 0.0,
+    )
+    if case.pull is None:
+        solution = _solve(energy, begin, case, solver, observe)
+    else:
+        energy, solution = _solve_pulled(energy, begin, Pull(grid, case.pull), case, solver, observe)
+    if case.method == "newton" and not solution.outcome.usable:
+        raise NoEquilibrium(solution.outcome.value)
+    if pins:
+        solution = replace(solution, state=unturned(grid, solution.state))
+    return _formed(energy, solution, elements, surface, yield_strength, _notes(grid, surface, case))
+
+
+def _bars(elements: tuple[Element, Element], case: PressCase) -> Bars:
+    share = 0.5 if case.offset == "centred" else 1.0
+    return Bars(
+        C=np.stack([element.C for element in elements]),
+        offset=np.array([share * element.height for element in elements]),
+        length=np.array([element.length for element in elements]),
+    )
+
+
+def _kinematics(
+    grid: Grid, surface: Surface, case: PressCase, crossing: str | CrossingSpring
+) -> FreeFrames | Differences:
+    held = clamped(grid, surface) if case.rim == "clamp" else np.zeros(grid.nodes, dtype=bool)
+    if case.kinematics == "free":
+        return FreeFrames(grid, surface, held, welded=crossing == "welded")
+    if crossing == "welded":
+        raise InputError.of(
+            "welded crossings need the free kinematics: with differences the tangents follow from the positions",
+            where="press.kinematics",
+            hint="use kinematics = 'free', or a crossing spring",
+        )
+    return Differences(grid, surface, held)
+
+
+def clamped(grid: Grid, surface: Surface) -> Bools:
+    """The nodes that a clamp holds from the rim outwards, (N,)."""
+    return np.asarray(np.linalg.norm(grid.flat, axis=1) >= surface.rim_radius * (1 - 1e-9))
+
+
+def _solve(energy: Energy, start: State, case: PressCase, solver: SolverCase, observe: Observer) -> Solution:
+    if case.method == "descent":
+        how = case.descent
+        return descend(
+            energy,
+            start,
+            rule=how.rule,
+            step_length=how.step_length,
+            max_steps=how.max_steps,
+            observe=observe,
+        )
+    return minimise(
+        energy,
+        start,
+        max_steps=solver.max_steps,
+        tolerance=solver.tolerance,
+        linear=solver.linear,
+        observe=observe,
+    )
+
+
+def _solve_pulled(
+    energy: Energy, start: State, pull: Pull, case: PressCase, solver: SolverCase, observe: Observer
+) -> tuple[Energy, Solution]:
+    """Passes with the pull along the wire ends of the pass before, Eq. (5.2), until these no longer turn."""
+    passes: list[Solution] = []
+    state = start
+    for _ in range(PULL_PASSES):
+        energy = replace(energy, loads=pull.forces(state))
+        passes.append(_solve(energy, state, case, solver, observe))
+        turned = pull.forces(passes[-1].state) - pull.forces(state)
+        state = passes[-1].state
+        if not passes[-1].outcome.usable or np.abs(turned).max() <= FOLLOWED * max(map(abs, pull.force)):
+            return energy, _joined(passes)
+    raise NoEquilibrium(f"the pulled wire ends still turn after {PULL_PASSES} passes; pull less, or weld the crossings")
+
+
+def _joined(passes: list[Solution]) -> Solution:
+    """All passes as one solution that ends like the last."""
+    history = [step for one in passes for step in one.history]
+    return replace(
+        passes[-1],
+        history=tuple(replace(step, number=number) for number, step in enumerate(history)),
+        factorisations=sum(one.factorisations for one in passes),
+        evaluations=sum(one.evaluations for one in passes),
+        seconds={key: sum(one.seconds[key] for one in passes) for key in passes[-1].seconds},
+    )
+
+
+def _formed(
+    energy: Energy,
+    solution: Solution,
+    elements: tuple[Element, Element],
+    surface: Surface,
+    yield_strength: float | None,
+    notes: tuple[str, ...],
+) -> Formed:
+    grid, state = energy.grid, solution.state
+    D, F, energies = energy.elastic(state)
+    chart = energy.kinematics.chart(state)
+    contact = chart.contact(energy.model(chart, exact=False).G)
+    largest = np.empty(grid.elements)
+    for family, element in enumerate(elements):
+        largest[grid.family == family] = stress(element, F[grid.family == family])
+    whole = unfold(
+        grid,
+        state,
+        D=D,
+        F=F,
+        energy=energies,
+        contact=contact,
+        stress=largest,
+        yield_strength=yield_strength,
+    )
+    kinds = _kinds(whole) | {"crossing": grid.copies * energy.springs(state)}
+    return Formed(
+        grid=grid,
+        surface=surface,
+        state=state,
+        whole=whole,
+        outcome=solution.outcome,
+        history=solution.history,
+        energy=sum(kinds.values()),
+        energy_kinds=kinds,
+        steps=solution.history[-1].number + 1 if solution.history else 0,
+        factorisations=solution.factorisations,
+        negative_eigenvalues=solution.negative_eigenvalues,
+        linear_solver=solution.linear_solver,
+        seconds=solution.seconds,
+        notes=notes + grid.notes,
+    )
+
+
+def _kinds(whole: Whole) -> dict[str, float]:
+    """The energy of all elements by what resists, [mJ]; the kinds add up to the energy."""
+    each = 0.5 * np.sum(whole.D * whole.F, axis=0)
+    return {
+        "stretch": float(each[0]),
+        "bend": float(each[2] + each[4]),
+        "in_plane": float(each[1] + each[5]),
+        "twist": float(each[3]),
+    }
+
+
+def _notes(grid: Grid, surface: Surface, case: PressCase) -> tuple[str, ...]:
+    notes: list[str] = []
+    if case.rim == "clamp":
+        notes.append(
+            "the rim is clamped: the wires can only stretch, and elastic wires then carry forces that no real wire "
+            "bears; take the tensions as a sign that the wire yields, not as forces (plastic wires are still to come)"
+        )
+    return tuple(notes)
