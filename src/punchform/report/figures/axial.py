@@ -1,0 +1,42 @@
+"""Plan of the formed grid with the axial force in the wires of one family."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from punchform.report.figures.style import (
+    DIVERGING,
+    HALF,
+    PAPER,
+    about_zero,
+    force_bar,
+    in_colour,
+    new_figure,
+    plan_axes,
+    points_per_mm,
+)
+
+if TYPE_CHECKING:
+    from punchform.run import Run
+
+
+def draw_axial(run: Run, family: int) -> Figure:
+    """Every element of family 1 or 2 as a line coloured by F1, on the scale of both, symmetric about zero."""
+    whole = run.formed.whole
+    mine = whole.family == family
+    force = whole.F[mine, 0]
+    segments = whole.positions[np.column_stack((whole.start, whole.end))[mine]][:, :, :2]
+    scale = about_zero(whole.F[:, 0])
+    figure = new_figure(*HALF)
+    axes = plan_axes(figure, points=whole.positions, rim=run.case.punch.rim_radius)
+    axes.set_facecolor(PAPER)
+    # The wires of a family lie side by side at the step of the other family.
+    apart = run.case.grid.step[2 - family] * points_per_mm(axes)
+    # Gaps of less than half a point would only make a moiré: such wires are drawn touching.
+    width = min(0.75 * apart, 2.5) if apart > 2 else 1.1 * apart
+    axes.add_collection(in_colour(segments, force, scale, DIVERGING, width=width))
+    force_bar(figure, scale, "axial force F1 [N]   (+ tension)")
+    return figure

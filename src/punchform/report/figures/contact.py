@@ -1,0 +1,39 @@
+"""Plan of the formed grid with the force of the tool on every node."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from punchform.report.figures.style import (
+    DIVERGING,
+    HALF,
+    PAPER,
+    about_zero,
+    force_bar,
+    in_colour,
+    new_figure,
+    plan_axes,
+)
+
+if TYPE_CHECKING:
+    from punchform.run import Run
+
+LABEL = "contact force [N]   (+ punch pushes, − held down)"
+
+
+def draw_contact(run: Run) -> Figure:
+    """Every node as a square coloured by its contact force, on a scale symmetric about zero."""
+    whole = run.formed.whole
+    figure = new_figure(*HALF)
+    axes = plan_axes(figure, points=whole.positions, rim=run.case.punch.rim_radius)
+    axes.set_facecolor(PAPER)
+    # Half the square around the node: neighbours touch, so that no pattern of gaps appears.
+    half = 0.52 * np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]) * run.case.grid.step
+    squares = whole.positions[:, None, :2] + half
+    scale = about_zero(whole.contact)
+    axes.add_collection(in_colour(squares, whole.contact, scale, DIVERGING, width=0.0))
+    force_bar(figure, scale, LABEL)
+    return figure

@@ -1,0 +1,96 @@
+"""All figures of a run in the order of the report, each with its caption: how to read it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
+
+from punchform.report.figures.axial import draw_axial
+from punchform.report.figures.contact import draw_contact
+from punchform.report.figures.progress import draw_progress
+from punchform.report.figures.sections import draw_sections
+from punchform.report.figures.shape import draw_shape
+from punchform.report.figures.shear import draw_shear
+
+if TYPE_CHECKING:
+    from punchform.run import Run
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One figure: its file name without ending, its heading, how to read it, what draws it, half or whole
+    width."""
+
+    name: str
+    title: str
+    caption: str
+    draw: Callable[[Run], Figure]
+    wide: bool = False
+
+
+GALLERY = (
+    Picture(
+        "shape",
+        "The formed grid",
+        "The grid as it lies on the punch, true to scale; colour is height above the plane of the rim. "
+        "On fine grids only some of the wires are drawn.",
+        draw_shape,
+        wide=True,
+    ),
+    Picture(
+        "shear",
+        "Shear of the cells",
+        "Plan view. Each cell is coloured by how far the angle between its wires has left 90°: zero where "
+        "the squares stay square, largest where they close to rhombs. The ring marks one most sheared cell, "
+        "the dashed circle is the rim. Cells that shear too far wrinkle or lock.",
+        draw_shear,
+    ),
+    Picture(
+        "contact",
+        "Contact force on the nodes",
+        "Plan view. The force of the tool on each node along the surface normal: where it is red the punch "
+        "pushes the grid; where it is blue the grid would lift off, and an upper tool or the rim has to hold "
+        "it down. The scale goes with the root of the force.",
+        draw_contact,
+    ),
+    Picture(
+        "axial_x",
+        "Axial force, wires along x",
+        "Plan view, both families on one scale: red wires are pulled, blue wires are pressed. Pressed wires "
+        "may buckle out between the crossings. The scale goes with the root of the force, so that small "
+        "forces show beside those at the rim.",
+        partial(draw_axial, family=1),
+    ),
+    Picture(
+        "axial_y",
+        "Axial force, wires along y",
+        "The same for the other family, on the same scale.",
+        partial(draw_axial, family=2),
+    ),
+    Picture(
+        "sections",
+        "Sections",
+        "Formed nodes within half a step of the section against the punch, with the nodes of the flat blank "
+        "as ticks at z = 0. The distance between the last tick and the last node is the draw-in.",
+        draw_sections,
+    ),
+    Picture(
+        "progress",
+        "How the solve went",
+        "Energy above its last value and largest entry of its gradient against the step, on logarithmic "
+        "scales. A Newton solve should end in a steep fall; a flat end means that it has not converged.",
+        draw_progress,
+    ),
+)
+
+
+def gallery(run: Run) -> tuple[Picture, ...]:
+    """The figures this run can show: no progress without two recorded steps, no surface without a cell."""
+    missing = set() if len(run.formed.history) > 1 else {"progress"}
+    if not len(run.formed.whole.cells):
+        missing |= {"shape", "shear"}
+    return tuple(picture for picture in GALLERY if picture.name not in missing)

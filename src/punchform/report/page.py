@@ -1,0 +1,151 @@
+"""report.html: one page with the verdict, numbers and figures of a run, complete in itself, readable
+offline."""
+
+from __future__ import annotations
+
+import base64
+import math
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from punchform import __version__
+from punchform.case import write_case
+from punchform.export.result import all_notes, largest
+from punchform.report.figures.gallery import Picture, gallery
+from punchform.report.figures.style import save
+from punchform.report.words import energy, percent, size, verdict
+
+if TYPE_CHECKING:
+    from punchform.run import Run
+
+PAGE, FIGURES = "report.html", "figures"
+LIBRARIES = ("numpy", "scipy", "numba", "matplotlib")
+KINDS = {
+    "stretch": "stretching",
+    "bend": "bending out of the surface",
+    "in_plane": "bending in the surface",
+    "twist": "twisting",
+    "crossing": "turning of the crossings",
+}
+
+Rows = tuple[tuple[str, str], ...]
+
+
+def write_report(run: Run, folder: Path) -> None:
+    """Write `folder`/figures/*.png and `folder`/report.html. Raises OSError when the disk refuses."""
+    images = draw_figures(run, folder / FIGURES)
+    (folder / PAGE).write_text(page(run, images), encoding="utf-8", newline="\n")
+
+
+def draw_figures(run: Run, folder: Path) -> tuple[tuple[Picture, Path], ...]:
+    """Draw every figure of the run into a folder, made if need be; each with the file that shows it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    drawn = []
+    for picture in gallery(run):
+        path = folder / f"{picture.name}.png"
+        save(picture.draw(run), path)
+        drawn.append((picture, path))
+    return tuple(drawn)
+
+
+def page(run: Run, images: tuple[tuple[Picture, Path], ...]) -> str:
+    """The HTML of the report; images are embedded, and all text from the case is escaped."""
+    environment = Environment(
+        loader=PackageLoader("punchform.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("report.html.j2").render(
+        title=run.case.title or "Formed grid",
+        converged=run.formed.outcome.name == "CONVERGED",
+        verdict=verdict(run),
+        results=(("Result", _result_rows(run)), ("Grid and tool", _grid_rows(run))),
+        details=(("Where the energy is", _energy_rows(run)), ("Solve", _solve_rows(run))),
+        figures=[(picture, _embedded(path)) for picture, path in images],
+        notes=all_notes(run),
+        case_text=write_case(run.case),
+        versions=_versions(),
+    )
+
+
+def _embedded(path: Path) -> str:
+    return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")
+
+
+def _result_rows(run: Run) -> Rows:
+    formed = run.formed
+    contact, force = formed.whole.contact, formed.whole.F[:, 0]
+    stress, ratio = largest(formed.whole.stress), largest(formed.whole.stress_ratio)
+    return (
+        ("Elastic energy of the whole grid", energy(formed.energy)),
+        ("Largest shear angle", size(math.degrees(formed.max_shear), "°", 4)),
+        ("Largest draw-in of the edge", size(formed.draw_in, "mm")),
+        ("Axial force in the wires", span(float(force.min()), float(force.max()), "N")),
+        ("Largest elongation of a wire", percent(formed.max_axial_strain)),
+        ("Largest stress", "not known" if stress is None else size(stress, "MPa")),
+        ("Largest stress / yield strength", "not known" if ratio is None else size(ratio, "", 3)),
+        ("Contact force on a node", span(float(contact.min()), float(contact.max()), "N")),
+        ("Sum of contact forces", size(float(contact.sum()), "N")),
+    )
+
+
+def _grid_rows(run: Run) -> Rows:
+    whole, case = run.formed.whole, run.case
+    return (
+        ("Nodes", f"{len(whole.positions)} ({run.formed.solved_nodes} solved)"),
+        ("Wire elements", f"{len(whole.family)}"),
+        ("Step", " × ".join(f"{step:g} mm" for step in dict.fromkeys(case.grid.step))),
+        ("Wire diameter", "not given" if case.wire.diameter is None else f"{case.wire.diameter:g} mm"),
+        ("Radius of the rim", f"{case.punch.rim_radius:g} mm"),
+        ("Depth of the shell", size(float(whole.positions[:, 2].max()), "mm")),
+    )
+
+
+def _energy_rows(run: Run) -> Rows:
+    total, kinds = run.formed.energy or 1.0, run.formed.energy_kinds
+    rows = [
+        (f"in {KINDS.get(kind, kind)}", f"{energy(part)} ({percent(part / total)})") for kind, part in kinds.items()
+    ]
+    if min(kinds.values(), default=0.0) < 0:
+        rows.append(("A part can be negative: the crimp couples the ways to deform.", ""))
+    return tuple(rows)
+
+
+def _solve_rows(run: Run) -> Rows:
+    formed = run.formed
+    negative = formed.negative_eigenvalues
+    return (
+        ("Ended", formed.outcome.value),
+        ("Steps", f"{formed.steps}"),
+        ("Factorisations", f"{formed.factorisations} ({formed.linear_solver})"),
+        ("Negative eigenvalues at the end", "not counted" if negative is None else f"{negative}"),
+        *((f"Seconds: {part}", f"{seconds:.2f}") for part, seconds in formed.seconds.items()),
+    )
+
+
+def span(low: float, high: float, unit: str) -> str:
+    """A range in words: from low to high."""
+    return f"{size(low, '')} to {size(high, unit)}"
+
+
+def _versions() -> str:
+    return ", ".join(
+        (
+            f"punchform {__version__}",
+            f"Python {platform.python_version()}",
+            *(f"{name} {found}" for name in LIBRARIES if (found := _installed(name))),
+        )
+    )
+
+
+def _installed(name: str) -> str | None:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return None

@@ -1,0 +1,137 @@
+"""The result in plain words: what a person wants to hear first. No HTML here."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from punchform.arrays import Floats
+from punchform.report.figures.shear import most_sheared
+
+if TYPE_CHECKING:
+    from punchform.press import Formed
+    from punchform.run import Run
+
+NO_BREAK_SPACE, THIN_SPACE = chr(0xA0), chr(0x202F)
+FAINT = 0.001
+"""A share of the force below which it is not worth a word that the grid must be held down."""
+
+
+def verdict(run: Run) -> tuple[str, ...]:
+    """Sentences on how the solve ended, energy, shear, draw-in, wire forces, yield and contact."""
+    return (
+        _ending(run.formed),
+        _shear(run.formed),
+        _draw_in(run.formed),
+        _wires(run.formed),
+        _yield(run),
+        _contact(run.formed),
+    )
+
+
+def size(value: float, unit: str, digits: int = 4) -> str:
+    """A number to so many digits with its unit, without an exponent where a person would not write one."""
+    if not math.isfinite(value):
+        return "not known"
+    text = f"{value:.{digits - 1}e}"
+    power = int(text.partition("e")[2])
+    if value == 0:
+        text = "0"
+    elif -3 <= power < 6:
+        text = f"{value:,.{max(digits - 1 - power, 0)}f}".replace(",", THIN_SPACE)
+    space = "" if unit in ("", "°") else NO_BREAK_SPACE
+    return f"{text}{space}{unit}".replace("-", "−")
+
+
+def energy(value: float) -> str:
+    """An energy [mJ] in mJ, or in J from 1 J on."""
+    return size(value / 1000, "J", 5) if abs(value) >= 1000 else size(value, "mJ", 5)
+
+
+def percent(share: float) -> str:
+    """A share as a percentage with three digits."""
+    return size(100 * share, "%", 3)
+
+
+def place(value: float) -> str:
+    """A coordinate or radius to the millimetre, or finer on a small part."""
+    return f"{value:.{0 if abs(value) >= 10 else 1}f}{NO_BREAK_SPACE}mm".replace("-", "−")
+
+
+def _ending(formed: Formed) -> str:
+    steps = f"{formed.steps} step{'' if formed.steps == 1 else 's'}"
+    held = f"storing {energy(formed.energy)} of elastic energy"
+    if formed.outcome.name == "CONVERGED":
+        return f"The solve {formed.outcome.value} in {steps}: the grid lies on the punch, {held}."
+    return (
+        f"The solve did not reach a minimum of the energy: {formed.outcome.value}. It ended after {steps} "
+        f"{held}; take the figures below as a hint, not as the answer."
+    )
+
+
+def _shear(formed: Formed) -> str:
+    whole = formed.whole
+    if not len(whole.cells):
+        return "The grid has no closed cell, so there is no shear to report."
+    x, y, _ = whole.positions[whole.cells[most_sheared(whole)]].mean(axis=0)
+    return (
+        f"The cells shear by up to {size(math.degrees(formed.max_shear), '°', 3)} "
+        f"(at x = {place(x)}, y = {place(y)}, {place(math.hypot(x, y))} from the axis)."
+    )
+
+
+def _draw_in(formed: Formed) -> str:
+    if formed.draw_in <= 1e-6:
+        return "The edge of the blank is not drawn in."
+    return f"The edge of the blank is drawn in by up to {size(formed.draw_in, 'mm', 3)}."
+
+
+def _wires(formed: Formed) -> str:
+    force, strain = formed.whole.F[:, 0], formed.max_axial_strain
+    pull, press = float(force.max()), float(force.min())
+    parts = [f"pulled by up to {size(pull, 'N', 3)}"] if pull > 0 else []
+    parts += [f"pressed by up to {size(-press, 'N', 3)}"] if press < 0 else []
+    forces = " and ".join(parts) or "without axial force"
+    return f"The wires are {forces} (largest elongation {percent(strain)})."
+
+
+def _yield(run: Run) -> str:
+    whole, strength = run.formed.whole, run.case.wire.yield_strength
+    known = np.isfinite(whole.stress)
+    if not known.any():
+        return "The stress in the wires is not known, because their stiffness was given as a matrix."
+    worst = int(np.nanargmax(whole.stress))
+    where = place(float(_radius(whole.positions[whole.start])[worst]))
+    most = f"The largest stress in a wire is {size(float(whole.stress[worst]), 'MPa', 3)}, {where} from the axis"
+    if strength is None:
+        return f"{most}; whether it yields is not known without `wire.yield_strength`."
+    over = int((whole.stress_ratio > 1).sum())
+    ratio = percent(float(np.nanmax(whole.stress_ratio)))
+    share = f"{ratio} of the yield strength {size(strength, 'MPa', 3)}"
+    if not over:
+        return f"{most}: {share}; the wires stay elastic and would spring back."
+    return (
+        f"{most}: {share}; {over} of {len(whole.stress)} wire segments would yield, "
+        "which this elastic answer does not follow."
+    )
+
+
+def _contact(formed: Formed) -> str:
+    force, radius = formed.whole.contact, _radius(formed.whole.positions)
+    pushed, held = float(force[force > 0].sum()), -float(force[force < 0].sum())
+    if held <= FAINT * pushed:
+        return f"The punch pushes the grid with {size(pushed, 'N', 3)} in all; nothing has to hold it down."
+    order = np.argsort(radius)
+    share = np.cumsum(np.maximum(-force[order], 0.0)) / held
+    low, high = radius[order][np.searchsorted(share, (0.05, 0.95))]
+    return (
+        f"The punch pushes with {size(pushed, 'N', 3)} in all, but in places the grid would lift off: "
+        f"an upper tool or the rim has to hold it down there with {size(held, 'N', 3)} in all, "
+        f"nine tenths of it between {place(low)} and {place(high)} from the axis."
+    )
+
+
+def _radius(points: Floats) -> Floats:
+    return np.hypot(points[:, 0], points[:, 1])
