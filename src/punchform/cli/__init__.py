@@ -1,0 +1,145 @@
+"""The command line: parse, call one function, print, exit.
+
+Results go to stdout, talk and progress to stderr. Whatever is heavy is imported inside the commands, so that
+`punchform --help` answers at once.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from io import TextIOWrapper
+from typing import NoReturn
+
+from punchform import __version__
+from punchform.cli.exits import Exit
+from punchform.cli.talk import say
+from punchform.errors import InputError, NoEquilibrium
+
+CASE_HELP = "case file, or packaged:check, packaged:paper for a case that comes with the program"
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line `argv` (sys.argv without the program's name when None); returns the exit code."""
+    # A console of another encoding shows a question mark for a letter it lacks, instead of a traceback.
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")
+    try:
+        arguments = _parser().parse_args(argv)
+    except SystemExit as ending:
+        return ending.code if isinstance(ending.code, int) else Exit.DONE
+    return int(_guarded(arguments))
+
+
+def _guarded(arguments: argparse.Namespace) -> Exit:
+    """Run the chosen command; what goes wrong on the user's side becomes words and an exit code."""
+    try:
+        code = _run(arguments)
+        sys.stdout.flush()
+        return code
+    except InputError as error:
+        say(str(error))
+        return Exit.UNUSABLE_INPUT
+    except NoEquilibrium as error:
+        say(f"error: {error}")
+        return Exit.NO_EQUILIBRIUM
+    except KeyboardInterrupt:
+        say("interrupted")
+        return Exit.INTERRUPTED
+    except BrokenPipeError:
+        # The reader has seen enough; Python must not complain about the rest when it exits.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return Exit.DONE
+    except MemoryError:
+        say("error: the memory is not enough\n  hint: take a larger grid.step or a smaller blank")
+        return Exit.UNUSABLE_INPUT
+    except OSError as error:
+        place = f"{error.filename}: " if error.filename else ""
+        say(f"error: {place}{error.strerror or error}")
+        return Exit.UNUSABLE_INPUT
+
+
+def _run(arguments: argparse.Namespace) -> Exit:
+    match arguments.command:
+        case "form":
+            from punchform.cli.form import form
+
+            return form(
+                arguments.case,
+                arguments.output,
+                overwrite=arguments.overwrite,
+                quiet=arguments.quiet,
+                as_json=arguments.json,
+            )
+        case "element":
+            from punchform.cli.element import element
+
+            return element(arguments.case, axes=arguments.axes, as_json=arguments.json, plot=arguments.plot)
+        case "new":
+            from punchform.cli.cases import new
+
+            return new(arguments.file, overwrite=arguments.overwrite)
+        case "check":
+            from punchform.cli.check import check
+
+            return check(arguments.case)
+        case "schema":
+            from punchform.cli.cases import schema
+
+            return schema()
+        case _:
+            from punchform.cli.about import about
+
+            return about()
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong with the arguments in the style of all other errors."""
+
+    def error(self, message: str) -> NoReturn:
+        say(f"error: {message}\n  hint: see `{self.prog} --help`")
+        raise SystemExit(int(Exit.UNUSABLE_INPUT))
+
+
+def _parser() -> argparse.ArgumentParser:
+    codes = "\n".join(f"  {code.value:>3}  {code.sentence}" for code in Exit)
+    parser = _Parser(
+        prog="punchform",
+        description="Predicts how a flat grid of wires becomes a shell when it is pressed over a punch.",
+        epilog=f"exit codes:\n{codes}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"punchform {__version__}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+
+    form = commands.add_parser("form", help="press the grid of a case over its punch")
+    form.add_argument("case", metavar="CASE", help=CASE_HELP)
+    form.add_argument("-o", "--output", metavar="DIR", required=True, help="folder for the results")
+    form.add_argument("--overwrite", action="store_true", help="replace an earlier run in that folder")
+    form.add_argument("--quiet", action="store_true", help="no progress and no notes")
+    form.add_argument("--json", action="store_true", help="print result.json instead of a summary")
+
+    element = commands.add_parser("element", help="the stiffness of one wire between two crossings")
+    element.add_argument("case", metavar="CASE", help=CASE_HELP)
+    element.add_argument(
+        "--axes",
+        choices=("element", "paper"),
+        default="element",
+        help="axes of the matrices",
+    )
+    element.add_argument("--json", action="store_true", help="print the matrices and checks as JSON")
+    element.add_argument("--plot", metavar="FILE", help="draw the wire and its deflections (png, svg or pdf)")
+
+    new = commands.add_parser("new", help="write a commented case file to start from")
+    new.add_argument("file", metavar="FILE", help="file to write")
+    new.add_argument("--overwrite", action="store_true", help="replace the file")
+
+    check = commands.add_parser("check", help="check a case file without running it")
+    check.add_argument("case", metavar="CASE", help=CASE_HELP)
+
+    commands.add_parser("schema", help="print the JSON schema of the case file")
+    commands.add_parser("about", help="versions, platform, linear solver, cores, memory")
+    return parser

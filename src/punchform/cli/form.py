@@ -1,0 +1,56 @@
+"""`punchform form`: from a case file to a run folder."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+from punchform.case import parse, read_text
+from punchform.cli.exits import Exit
+from punchform.cli.talk import Talk, say
+from punchform.errors import InputError
+from punchform.export.result import all_notes
+from punchform.report.page import write_report
+from punchform.run import Run, run
+from punchform.store import RESULT, check_folder, write_run
+
+
+def form(path: str, output: str, *, overwrite: bool, quiet: bool, as_json: bool) -> Exit:
+    """Press the grid of a case over its punch and write the run folder.
+
+    Raises InputError for a case or folder that cannot be used (before anything is solved where possible) and
+    NoEquilibrium when the solve ends without one.
+    """
+    source = read_text(path)
+    case = parse(source)
+    check_folder(output, overwrite=overwrite)
+    with Talk(quiet=quiet) as talk:
+        try:
+            done = run(case, observe=talk)
+        except InputError as error:
+            raise source.placed(error) from None
+        folder = write_run(done, output, overwrite=overwrite, extras=(write_report,))
+    if not quiet:
+        for note in all_notes(done):
+            say(f"note: {note}")
+    print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else summary(done, folder))
+    return Exit.DONE
+
+
+def summary(done: Run, folder: Path) -> str:
+    """What a person wants to know first about a run, in a few lines."""
+    formed, whole = done.formed, done.formed.whole
+    facts = {
+        "grid": f"{len(whole.index)} crossings, {len(whole.family)} wire pieces; "
+        f"{formed.solved_nodes} crossings solved",
+        "outcome": formed.outcome.value,
+        "energy": f"{formed.energy:.7g} mJ",
+        "effort": f"{formed.steps} steps, {formed.factorisations} factorisations ({formed.linear_solver}), "
+        f"{formed.seconds['total']:.2f} s",
+        "largest shear": f"{math.degrees(formed.max_shear):.3g} deg",
+        "largest strain": f"{100 * formed.max_axial_strain:.3g} % along the wire",
+        "draw-in": f"{formed.draw_in:.3g} mm",
+        "report": str(folder / "report.html"),
+    }
+    width = max(map(len, facts))
+    return "\n".join([done.case.title, *(f"  {name:<{width}}  {fact}" for name, fact in facts.items())])

@@ -1,0 +1,426 @@
+"""Every bad case ends with exit code 2 and one message that names the line, the key and what to do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from punchform.cli import main
+
+GOOD = """\
+schema = 1
+title = "dish"
+
+[grid]
+step = "7.5 mm"
+blank = { shape = "circle", radius = "345 mm" }
+
+[wire]
+diameter = "0.75 mm"
+youngs_modulus = "210 GPa"
+
+[punch]
+profile = { kind = "paraboloid", focal_length = "250 mm" }
+rim_radius = "300 mm"
+fillet = "30 mm"
+
+[press]
+rim = "draw"
+"""
+
+STEP = 'step = "7.5 mm"'
+BLANK = 'blank = { shape = "circle", radius = "345 mm" }'
+DIAMETER = 'diameter = "0.75 mm"'
+MODULUS = 'youngs_modulus = "210 GPa"'
+PROFILE = 'profile = { kind = "paraboloid", focal_length = "250 mm" }'
+RIM = 'rim = "draw"'
+
+SKEW = [[float(row == column) + 0.1 * (row == 0 and column == 1) for column in range(6)] for row in range(6)]
+
+# what is replaced, by what, the place and the beginning of the message, the hint ("" for any or none)
+TABLE: list[tuple[str, str, str, str]] = [
+    # missing
+    ("schema = 1\n", "\n", "1: schema: is missing", "schema = 1"),
+    (STEP, "", "4: grid.step: is missing", ""),
+    (BLANK, "", "4: grid.blank: is missing", ""),
+    ('shape = "circle", ', "", "6: grid.blank.shape: is missing: expected 'circle', 'rectangle'", ""),
+    (', radius = "345 mm"', "", "6: grid.blank.radius: is missing", ""),
+    (DIAMETER, "", "8: wire.diameter: is missing: expected a length such as '0.75 mm'", ""),
+    (MODULUS, "", "8: wire.youngs_modulus: is missing", ""),
+    (PROFILE, "", "12: punch.profile: is missing", ""),
+    ('rim_radius = "300 mm"', "", "12: punch.rim_radius: is missing", ""),
+    (', focal_length = "250 mm"', "", "13: punch.profile.focal_length: is missing", ""),
+    (
+        "[press]\n",
+        "[target]\ntolerance = 1\naperture_radius = 270\n[press]\n",
+        "17: target.profile: is missing",
+        "",
+    ),
+    (RIM, 'pull = ["3 N"]', "18: press.pull: has too few entries", ""),
+    # unknown
+    (STEP, STEP + "\nwaeve = 1", "6: grid.waeve: no such setting", "did you mean `weave`?"),
+    (
+        MODULUS,
+        'young_modulus = "210 GPa"',
+        "10: wire.young_modulus: no such setting",
+        "did you mean `youngs_modulus`?",
+    ),
+    (DIAMETER, DIAMETER + '\nfillet = "3 mm"', "10: wire.fillet: no such setting", "belongs in [punch]"),
+    ("[press]", "[pres]", "17: pres: no such setting", "did you mean `press`?"),
+    ("rim = ", "pull.force = 3\nrim = ", "18: press.pull: expected a list", ""),
+    (
+        'kind = "paraboloid"',
+        'kind = "parabola"',
+        "13: punch.profile.kind: expected 'paraboloid', ",
+        "`paraboloid`?",
+    ),
+    (
+        'shape = "circle"',
+        'shape = "oval"',
+        "6: grid.blank.shape: expected 'circle', 'rectangle' or",
+        "there are: ",
+    ),
+    (RIM, 'rim = "drawn"', "18: press.rim: expected 'draw' or 'clamp', not 'drawn'", "did you mean `draw`?"),
+    (
+        STEP,
+        STEP + '\ncrossing = "pined"',
+        "6: grid.crossing: expected 'pinned' or 'welded', or a table",
+        "`pinned`?",
+    ),
+    (
+        ", focal_length",
+        ", radius = 3, focal_length",
+        "13: punch.profile.radius: no such setting",
+        "focal_length",
+    ),
+    # wrong unit
+    ("0.75 mm", "0.75 mmm", "9: wire.diameter: expected a length such as '0.75 mm', not '0.75 mmm'", "`mm`?"),
+    (
+        "7.5 mm",
+        "7.5 MPa",
+        "5: grid.step: expected a length such as '0.75 mm', not '7.5 MPa'",
+        "unit of stress",
+    ),
+    ("210 GPa", "210 gpa", "10: wire.youngs_modulus: expected a stress or modulus", "did you mean `GPa`?"),
+    (
+        "0.75 mm",
+        "0,75 mm",
+        "9: wire.diameter: expected a length such as '0.75 mm', not '0,75 mm'",
+        "decimal point",
+    ),
+    (
+        "30 mm",
+        "30 mm^2",
+        "15: punch.fillet: expected a length such as '0.75 mm', not '30 mm^2'",
+        "something else",
+    ),
+    (
+        STEP,
+        STEP + '\ncrossing = { stiffness = "20 N*mm" }',
+        "6: grid.crossing.stiffness: expected a rotational",
+        "",
+    ),
+    # limits
+    ("0.75 mm", "-0.75 mm", "9: wire.diameter: must be more than 0, not '-0.75 mm'", ""),
+    ("345 mm", "0 mm", "6: grid.blank.radius: must be more than 0, not '0 mm'", ""),
+    ("30 mm", "-30 mm", "15: punch.fillet: must be at least 0, not '-30 mm'", ""),
+    (MODULUS, MODULUS + "\npoisson = 0.7", "11: wire.poisson: must be at most 0.5, not 0.7", ""),
+    (
+        'kind = "paraboloid", focal_length = "250 mm"',
+        'kind = "cone", half_angle = "95 deg", nose_radius = "30 mm"',
+        "13: punch.profile.half_angle: must be less than 90 deg, not '95 deg'",
+        "",
+    ),
+    ("[press]", "[solver]\nmax_steps = 0\n[press]", "18: solver.max_steps: must be at least 1, not 0", ""),
+    ("300 mm", "3e12 mm", "14: punch.rim_radius: must be at most 1e+09 mm, not '3e12 mm'", ""),
+    ("7.5 mm", "1e-300 mm", "5: grid.step: must be at least 1e-06 mm, not '1e-300 mm'", ""),
+    # not finite
+    ("210 GPa", "nan GPa", "10: wire.youngs_modulus: expected a finite number, not 'nan GPa'", ""),
+    ('"7.5 mm"', "nan", "5: grid.step: expected a finite number, not nan", ""),
+    ('"300 mm"', "inf", "14: punch.rim_radius: expected a finite number, not inf", ""),
+    ("300 mm", "1e400 mm", "14: punch.rim_radius: expected a finite number, not '1e400 mm'", ""),
+    ("300 mm", "1e308 m", "14: punch.rim_radius: expected a finite number, not '1e308 m'", ""),
+    # wrong types
+    ('"0.75 mm"', "true", "9: wire.diameter: expected a length such as '0.75 mm', not true", ""),
+    ('"300 mm"', '["300 mm"]', "14: punch.rim_radius: expected a length such as '0.75 mm', not a list", ""),
+    ('step = "7.5 mm"', "step = [7, 7, 7]", "5: grid.step: has too many entries: at most 2", ""),
+    ('"dish"', "3", "2: title: expected a short text in quotes, not 3", ""),
+    (
+        "schema = 1",
+        "schema = 2",
+        "1: schema: this program reads case files of schema 1, not 2",
+        "newer punchform",
+    ),
+    ("schema = 1", 'schema = "1"', "1: schema: this program reads case files of schema 1, not '1'", ""),
+    (PROFILE, 'profile = "sphere"', "13: punch.profile: expected a table with settings, not 'sphere'", ""),
+    (
+        RIM,
+        "descent = { max_steps = 1.5 }",
+        "18: press.descent.max_steps: expected a whole number, not 1.5",
+        "",
+    ),
+    (DIAMETER, "stiffness = [[1, 2]]\n" + DIAMETER, "9: wire.stiffness: expected 6 rows of 6 numbers", ""),
+    # contradictions
+    (
+        MODULUS,
+        'stiffness = "paper"\ncentreline = { kind = "straight" }',
+        "11: wire.centreline: the stiffness is",
+        "",
+    ),
+    (MODULUS, MODULUS + '\nheight = "1 mm"', "11: wire.height: 1 mm contradicts the centreline", "leave out"),
+    ("0.75 mm", "8 mm", "9: wire.diameter: a wire of 8 mm is as thick as the step of 7.5 mm", ""),
+    (
+        MODULUS,
+        MODULUS + '\ncentreline = { kind = "cosine", height = "9 mm" }',
+        "11: wire.centreline: a crimp height of 9 mm is more than the step of 7.5 mm",
+        "",
+    ),
+    (
+        STEP,
+        STEP + '\nweave = "stacked"',
+        "9: wire.centreline: a stacked grid is made of straight wires",
+        "straight",
+    ),
+    (
+        "345 mm",
+        "299 mm",
+        "6: grid.blank.radius: the blank reaches 299 mm from the axis and so not to the rim",
+        "",
+    ),
+    (
+        BLANK,
+        'blank = { shape = "rectangle", size = [700, 500] }',
+        "6: grid.blank.size: the blank reaches 250 mm",
+        "",
+    ),
+    (
+        BLANK,
+        "blank = { shape = 'polygon', points = [[-400, 0], [0, 0], [400, 0]] }",
+        "6: grid.blank.points: the corners enclose no area",
+        "",
+    ),
+    (RIM, 'rim = "clamp"\npull = [1, 1]', "19: press.pull: a clamped rim lets no wire end move", "draw"),
+    (
+        RIM,
+        'method = "descent"\ndescent = { rule = "fixed" }',
+        "19: press.descent.step_length: is missing: the rule 'fixed' needs a step length",
+        "",
+    ),
+    (
+        "[press]",
+        "[release]\nhold = { from_radius = 400 }\n[press]",
+        "18: release.hold.from_radius: no node lies",
+        "",
+    ),
+    (
+        "[press]",
+        "[target]\nprofile = { kind = 'sphere', radius = 500 }\naperture_radius = 301\ntolerance = 1\n[press]",
+        "19: target.aperture_radius: an aperture of 301 mm reaches beyond the rim at 300 mm",
+        "",
+    ),
+    (
+        "345 mm",
+        "345e5 mm",
+        "5: grid.step: about 1.66e+13 crossings would have to be solved",
+        "take a step of",
+    ),
+    ("7.5 mm", "310 mm", "5: grid.step: a step of 310 mm is more than the rim radius of 300 mm", ""),
+    (
+        RIM,
+        RIM + "\n[grid.crossing]\nstiffness = 0",
+        "20: grid.crossing.stiffness: must be more than 0, not 0",
+        "",
+    ),
+    # files named in the case
+    (
+        PROFILE,
+        "profile = { kind = 'table', file = 'none.csv' }",
+        "13: punch.profile.file: cannot read ",
+        "relative",
+    ),
+    (
+        PROFILE,
+        "profile = { kind = 'table', file = 'bad.csv' }",
+        "13: punch.profile.file: line 2 of bad.csv",
+        "numbers",
+    ),
+    (
+        PROFILE,
+        "profile = { kind = 'table', file = 'empty.csv' }",
+        "13: punch.profile.file: empty.csv holds no",
+        "",
+    ),
+    (
+        PROFILE,
+        "profile = { kind = 'table', file = 3 }",
+        "13: punch.profile.file: expected the name of a file",
+        "",
+    ),
+    (
+        PROFILE,
+        "profile = { kind = 'table', points = [[0, 9], [5, 8], [5, 7]] }",
+        "13: punch.profile.points: rho must increase from point to point: point 3",
+        "",
+    ),
+    (
+        MODULUS,
+        MODULUS + "\ncentreline = { kind = 'points', points = [[0, 0], [7.5, 0, 1]] }",
+        "11: wire.centreline.points: every point needs the same",
+        "",
+    ),
+    # what only wire, punch and grid can tell
+    (MODULUS, f"stiffness = {SKEW}", "10: wire.stiffness: not symmetric", ""),
+    (
+        PROFILE,
+        "profile = { kind = 'points', points = [[0, 0], [7, 1]] }",
+        "13: punch.profile.kind: expected 'paraboloid', ",
+        "",
+    ),
+    (
+        MODULUS,
+        MODULUS + "\ncentreline = { kind = 'points', points = [[0, 0], [7, 1]] }",
+        "11: wire.centreline",
+        "",
+    ),
+    (PROFILE, "profile = { kind = 'sphere', radius = '200 mm' }", "13: punch.profile", ""),
+    (PROFILE, "profile = { kind = 'expression', z = '__import__(1)' }", "13: punch.profile.z", ""),
+    (PROFILE, "profile = { kind = 'expression', z = 'r**2' }", "13: punch.profile.z", ""),
+    (
+        PROFILE,
+        "profile = { kind = 'flat', height = 40, edge_radius = 5 }",
+        "13: punch.profile: the profile bends with a radius of 5 mm",
+        "",
+    ),
+    (
+        BLANK,
+        "blank = { shape = 'polygon', points = [[-400, -100], [400, -100], [0, 400]] }",
+        "6: grid.blank: the blank reaches only",
+        "",
+    ),
+    # syntax
+    ('"7.5 mm"', "7.5 mm", "5: not valid TOML: ", 'stands in quotes: "7.5 mm"'),
+    ("[wire]", "[wire", "8: not valid TOML: ", ""),
+    (RIM, RIM + '\nrim = "clamp"', "19: not valid TOML: ", ""),
+    ('"dish"', '"dish', "2: not valid TOML: ", ""),
+]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "bad.csv").write_text("rho, z\n0, zero\n", encoding="utf-8")
+    (tmp_path / "empty.csv").write_text("# nothing\n", encoding="utf-8")
+    return tmp_path
+
+
+def said(capsys: pytest.CaptureFixture[str], arguments: list[str]) -> list[str]:
+    """What stderr says about arguments that end with exit code 2 and print no result."""
+    assert main(arguments) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert "Traceback" not in printed.err
+    return printed.err.splitlines()
+
+
+def test_the_case_before_it_is_spoilt_is_good(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "dish.toml").write_text(GOOD, encoding="utf-8")
+    assert main(["check", str(folder / "dish.toml")]) == 0
+    assert "usable" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("old", "new", "message", "hint"), TABLE, ids=[row[2] for row in TABLE])
+def test_one_fault_one_message(
+    old: str, new: str, message: str, hint: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert GOOD.count(old) == 1
+    case = folder / "dish.toml"
+    case.write_text(GOOD.replace(old, new), encoding="utf-8")
+    lines = said(capsys, ["check", str(case)])
+    assert lines[0].startswith(f"error: {case}:{message}"), lines
+    assert sum(line.startswith("error: ") for line in lines) == 1, lines
+    assert hint in "\n".join(lines[1:]), lines
+
+
+def test_all_faults_at_once_in_the_order_of_their_lines(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    case = folder / "dish.toml"
+    spoilt = GOOD.replace("7.5 mm", "7.5 kg").replace('"210 GPa"', "inf").replace('"draw"', '"drow"')
+    case.write_text(spoilt.replace("300 mm", "350 mm").replace("schema = 1", "schema = 7"), encoding="utf-8")
+    lines = said(capsys, ["check", str(case)])
+    keys = [line.split(":")[3].strip() for line in lines if line.startswith("error: ")]
+    assert keys == ["schema", "grid.step", "wire.youngs_modulus", "press.rim"]
+
+
+def test_contradictions_are_told_beside_faults_of_other_sections(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = folder / "dish.toml"
+    case.write_text(GOOD.replace("345 mm", "100 mm").replace('"draw"', '"drow"'), encoding="utf-8")
+    lines = said(capsys, ["check", str(case)])
+    assert [line.split(":")[3].strip() for line in lines if line.startswith("error: ")] == [
+        "grid.blank.radius",
+        "press.rim",
+    ]
+
+
+def test_welded_crossings_contradict_differences(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    case = folder / "dish.toml"
+    spoilt = GOOD.replace(STEP, STEP + '\ncrossing = "welded"').replace(RIM, 'kinematics = "differences"')
+    case.write_text(spoilt, encoding="utf-8")
+    [error, hint] = said(capsys, ["check", str(case)])
+    assert error.startswith(f"error: {case}:19: press.kinematics: welded crossings need the free kinematics")
+    assert "spring" in hint
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "schema: is missing"),
+        (b'schema = 1\ntitle = "\xff"\n', "2: is not UTF-8 text"),
+        (b"\x00\x01", "1: not valid TOML"),
+        (b"x = " + 5000 * b"[", "not valid TOML|nested too deeply"),
+        (b"\xff\xfe[\x00", "1: is not UTF-8 text"),
+    ],
+)
+def test_files_that_are_no_case(content: bytes, message: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    case = folder / "dish.toml"
+    case.write_bytes(content)
+    lines = said(capsys, ["check", str(case)])
+    assert any(words in lines[0] for words in message.split("|")), lines[0]
+
+
+def test_places_that_hold_no_case(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "cannot be read: No such file" in said(capsys, ["check", str(folder / "no.toml")])[0]
+    assert "is a folder, not a case file" in said(capsys, ["check", str(folder)])[0]
+    assert "there is no packaged case 'dish'" in said(capsys, ["check", "packaged:dish"])[0]
+    assert "cannot be read" in said(capsys, ["check", "a\0b"])[0]
+
+
+def test_a_file_one_may_not_read(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(path: Path) -> bytes:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(Path, "read_bytes", refused)
+    case = folder / "dish.toml"
+    case.write_text(GOOD, encoding="utf-8")
+    assert said(capsys, ["check", str(case)]) == [f"error: {case}: cannot be read: Permission denied"]
+
+
+@pytest.mark.parametrize("command", [["element"], ["form", "-o", "results"]])
+def test_every_command_refuses_a_bad_case(
+    command: list[str], folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    Path("dish.toml").write_text(GOOD.replace("0.75 mm", "0.75 mmm"), encoding="utf-8")
+    lines = said(capsys, [*command, "dish.toml"])
+    assert lines[0] == ("error: dish.toml:9: wire.diameter: expected a length such as '0.75 mm', not '0.75 mmm'")
+    assert not Path("results").exists()
+
+
+def test_form_refuses_a_folder_in_use_before_it_solves(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    case = folder / "dish.toml"
+    case.write_text(GOOD, encoding="utf-8")
+    lines = said(capsys, ["form", str(case), "-o", str(folder)])
+    assert "not a punchform run" in lines[0]
+    assert "is a file" in said(capsys, ["form", str(case), "-o", str(case)])[0]
