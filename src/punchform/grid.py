@@ -207,7 +207,7 @@ def _connected(index: Ints) -> Ints:
     kept = index[sizes[piece] > 1]
     if len(kept) < FEWEST_NODES:
         _too_few(len(kept))
-    return kept
+    return np.asarray(kept)
 
 
 def _too_few(count: int) -> None:

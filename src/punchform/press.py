@@ -6,16 +6,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from punchform.arrays import Bools
+from punchform.arrays import Bools, Floats
 from punchform.case import CrossingSpring, PressCase, SolverCase
 from punchform.errors import InputError, NoEquilibrium
 from punchform.grid import Grid
-from punchform.mechanics.assembly import Bars, Energy
+from punchform.mechanics.assembly import Bars, Energy, Hessian
 from punchform.mechanics.compiled import kernels_are_compiled
 from punchform.mechanics.descent import descend
 from punchform.mechanics.differences import Differences
 from punchform.mechanics.footing import normals_of
-from punchform.mechanics.frames import State, perpendicular
+from punchform.mechanics.frames import State, perpendicular, squared
 from punchform.mechanics.kinematics import FreeFrames
 from punchform.mechanics.newton import minimise
 from punchform.mechanics.outcome import Outcome, Solution, Step
@@ -23,12 +23,15 @@ from punchform.mechanics.rigid import free_motions, unturned
 from punchform.progress import Observer, Progress, silent
 from punchform.pull import Pull
 from punchform.punch import Surface
+from punchform.remarks import remarks
 from punchform.whole import Whole, unfold
 from punchform.wire import Element, stress
 
 FOLLOWED = 1e-9
 """The pull has found its direction when no wire end turns by more than this [rad] between two passes."""
 PULL_PASSES = 30
+VERTICAL = 1e-6
+"""How far from upright a wall must be [rad] for a flat wire to show its own way down it."""
 
 
 @dataclass(frozen=True)
@@ -82,8 +85,14 @@ def flat_start(grid: Grid, surface: Surface) -> State:
     """The paper's start P(18): every node moves straight up onto the surface, u_x = u_y = 0, u_z = f."""
     positions = np.column_stack((grid.flat, surface.height(grid.flat)))
     normals = normals_of(surface.gap(positions))
-    along = (np.broadcast_to(np.eye(3)[w], normals.shape) for w in range(2))
-    return State(positions, normals, np.stack([perpendicular(t, normals) for t in along], axis=1))
+    tangents = [perpendicular(_downhill(np.eye(3)[w], normals), normals) for w in range(2)]
+    return State(positions, normals, np.stack(tangents, axis=1))
+
+
+def _downhill(wire: Floats, normals: Floats) -> Floats:
+    """The direction of a flat wire, bent down a little where it leaves the dome: on a vertical wall it points down."""
+    down = np.outer(normals @ wire, (0.0, 0.0, -VERTICAL))
+    return np.asarray(wire + down)
 
 
 def press(
@@ -107,6 +116,8 @@ def press(
     if not kernels_are_compiled():
         observe(Progress("press", message="compiling the kernels; only the first run does this"))
     begin = flat_start(grid, surface) if start is None else start
+    if crossing == "welded":
+        begin = squared(begin)
     kinematics = _kinematics(grid, surface, case, crossing)
     pins = free_motions(grid, kinematics, kinematics.chart(begin))
     energy = Energy(
@@ -123,7 +134,7 @@ def press(
         raise NoEquilibrium(solution.outcome.value)
     if pins:
         solution = replace(solution, state=unturned(grid, solution.state))
-    return _formed(energy, solution, elements, surface, yield_strength, _notes(grid, surface, case))
+    return _formed(energy, solution, elements, surface, case, yield_strength)
 
 
 def _bars(elements: tuple[Element, Element], case: PressCase) -> Bars:
@@ -209,13 +220,13 @@ def _formed(
     solution: Solution,
     elements: tuple[Element, Element],
     surface: Surface,
+    case: PressCase,
     yield_strength: float | None,
-    notes: tuple[str, ...],
 ) -> Formed:
     grid, state = energy.grid, solution.state
     D, F, energies = energy.elastic(state)
     chart = energy.kinematics.chart(state)
-    contact = chart.contact(energy.model(chart, exact=False).G)
+    contact = chart.contact(energy.model(chart, Hessian.GAUSS_NEWTON).G)
     largest = np.empty(grid.elements)
     for family, element in enumerate(elements):
         largest[grid.family == family] = stress(element, F[grid.family == family])
@@ -244,7 +255,7 @@ def _formed(
         negative_eigenvalues=solution.negative_eigenvalues,
         linear_solver=solution.linear_solver,
         seconds=solution.seconds,
-        notes=notes + grid.notes,
+        notes=remarks(grid, whole, surface, case),
     )
 
 
@@ -257,13 +268,3 @@ def _kinds(whole: Whole) -> dict[str, float]:
         "in_plane": float(each[1] + each[5]),
         "twist": float(each[3]),
     }
-
-
-def _notes(grid: Grid, surface: Surface, case: PressCase) -> tuple[str, ...]:
-    notes: list[str] = []
-    if case.rim == "clamp":
-        notes.append(
-            "the rim is clamped: the wires can only stretch, and elastic wires then carry forces that no real wire "
-            "bears; take the tensions as a sign that the wire yields, not as forces (plastic wires are still to come)"
-        )
-    return tuple(notes)

@@ -52,7 +52,7 @@ class SolverCase(Part):
     linear: Literal["auto", "rslab", "pardiso", "scipy"] = Field(
         default="auto", description="library for the sparse factorisation"
     )
-    max_steps: Count = Field(default=60, description="Newton steps after which the solve gives up")
+    max_steps: Count = Field(default=200, description="Newton steps after which the solve gives up")
     tolerance: Annotated[float, Quantity(NUMBER, above=0.0, most=1e-2)] = Field(
         default=1e-12, description="Newton decrement relative to the energy at which the solve is done [-]"
     )

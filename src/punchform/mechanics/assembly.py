@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from enum import Enum
 from functools import cached_property
 from time import perf_counter
 from typing import Any
@@ -26,6 +27,19 @@ from punchform.mechanics.pattern import Pattern, analyse, colours
 THREADS = 2
 WORTH_A_THREAD = 4000
 """Below this many elements of one colour a second thread costs more than it saves."""
+
+
+class Hessian(Enum):
+    """Which second derivatives: all; those of squares only; or all, less what is not convex element by element."""
+
+    GAUSS_NEWTON = sweeps.GAUSS_NEWTON
+    PROJECTED = sweeps.PROJECTED
+    EXACT = sweeps.EXACT
+
+    @property
+    def words(self) -> str:
+        """How a report calls it."""
+        return {"GAUSS_NEWTON": "Gauss-Newton", "PROJECTED": "projected", "EXACT": "exact"}[self.name]
 
 
 @dataclass(frozen=True)
@@ -107,8 +121,8 @@ class Energy:
         total = float(energies @ self.grid.weight) + self.springs(state) - self._work(state)
         return total if np.isfinite(total) else np.inf
 
-    def model(self, chart: Chart, *, exact: bool) -> Model:
-        """Energy, gradient and Hessian on a chart; the Gauss-Newton part of the Hessian alone unless exact."""
+    def model(self, chart: Chart, hessian: Hessian) -> Model:
+        """Energy, gradient and the chosen Hessian on a chart."""
         pattern, R = self.pattern, chart.R
         begun = perf_counter()
         energies = np.empty(self.grid.elements)
@@ -117,7 +131,7 @@ class Energy:
 
         def sweep(chosen: Ints) -> None:
             arguments = self._of(chart.state)
-            sweeps.models(chosen, *arguments, R, pattern.places[0], exact, energies, G, values)
+            sweeps.models(chosen, *arguments, R, pattern.places[0], hessian.value, energies, G, values)
 
         self._in_threads(sweep)
         self.clock.kernel += perf_counter() - begun
@@ -126,8 +140,8 @@ class Energy:
         self._add_crossings(chart, G, values)
         if self.loads is not None:
             G.reshape(-1, 2, 6)[np.arange(self.grid.nodes), self._first_wire, :3] -= self.loads
-        if exact:
-            sweeps.scatter(chart.curvature(G), pattern.places[1], values)
+        if hessian is not Hessian.GAUSS_NEWTON:
+            sweeps.scatter(chart.curvature(G), pattern.places[1], hessian.value, values)
         gradient = np.zeros(self.kinematics.count)
         sweeps.reduce(R, G, self.kinematics.unknowns, gradient)
         self.clock.assembly += perf_counter() - begun
@@ -190,4 +204,6 @@ class Energy:
         spins = np.einsum("nwcs,nc->nws", chart.R.reshape(nodes, 2, 6, -1)[:, :, 3:], normals)
         rate = np.concatenate((-spins[:, 0], spins[:, 1]), axis=1)
         crossed = self.crossing * self.grid.node_weight * self.grid.passes.all(axis=1)
-        sweeps.scatter(crossed[:, None, None] * rate[:, :, None] * rate[:, None], self.pattern.places[2], values)
+        sweeps.scatter(
+            crossed[:, None, None] * rate[:, :, None] * rate[:, None], self.pattern.places[2], sweeps.EXACT, values
+        )

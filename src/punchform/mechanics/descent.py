@@ -18,7 +18,7 @@ from time import perf_counter
 import numpy as np
 
 from punchform.arrays import Floats
-from punchform.mechanics.assembly import Energy, Model
+from punchform.mechanics.assembly import Energy, Hessian, Model
 from punchform.mechanics.frames import State, is_finite
 from punchform.mechanics.kinematics import Chart
 from punchform.mechanics.linear import multiply, upper_matrix
@@ -88,7 +88,7 @@ def _largest(gradient: Floats) -> float:
 def _exact(energy: Energy, state: State) -> Iterator[_Taken]:
     while True:
         chart = energy.kinematics.chart(state)
-        model = energy.model(chart, exact=True)
+        model = energy.model(chart, Hessian.EXACT)
         a = model.gradient
         length = float(a @ a) / _curvature(energy, chart, model, a)
         after = chart.moved(-length * a)
@@ -106,7 +106,7 @@ def _curvature(energy: Energy, chart: Chart, model: Model, a: Floats) -> float:
     along = float(a @ multiply(upper_matrix(energy.pattern, model.values), a))
     if along > 0:
         return along
-    values = energy.model(chart, exact=False).values
+    values = energy.model(chart, Hessian.GAUSS_NEWTON).values
     return max(float(a @ multiply(upper_matrix(energy.pattern, values), a)), 1e-300)
 
 
@@ -114,7 +114,7 @@ def _fixed(energy: Energy, state: State, length: float) -> Iterator[_Taken]:
     last = np.inf
     while True:
         chart = energy.kinematics.chart(state)
-        model = energy.model(chart, exact=False)
+        model = energy.model(chart, Hessian.GAUSS_NEWTON)
         after = chart.moved(-length * model.gradient)
         if model.energy > last or not is_finite(after):
             return
@@ -126,7 +126,7 @@ def _reused(energy: Energy, state: State, first: float) -> Iterator[_Taken]:
     length = first
     while length >= SHORTEST * first:
         chart = energy.kinematics.chart(state)
-        model = energy.model(chart, exact=False)
+        model = energy.model(chart, Hessian.GAUSS_NEWTON)
         reached, value = 0, model.energy
         while _lower(energy, after := chart.moved(-(reached + 1) * length * model.gradient), value):
             reached, value, state = reached + 1, energy.at(after), after

@@ -28,7 +28,7 @@ NODE = 1
 
 @dataclass(frozen=True)
 class Differences:
-    """Shifts along the surface are the only unknowns; held (N,): nodes that keep their position; pins as in `FreeFrames`.
+    """Shifts along the surface are the only unknowns; held (N,): nodes that keep their position; pins as elsewhere.
 
     The slots of a node and wire are the two shifts of the node before, of the node itself and of the node after.
     """

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from punchform.arrays import Bools, Floats
+from punchform.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -72,11 +72,12 @@ def crossing_angle(state: State) -> Floats:
     return np.asarray(np.arctan2(sine, np.sum(first * second, axis=1)))
 
 
+def squared(state: State) -> State:
+    """The state with both wires of each node turned alike about the normal until they are at right angles."""
+    half = 0.5 * (crossing_angle(state) - 0.5 * np.pi)
+    return turn(state, state.positions, np.zeros_like(state.normals), np.column_stack((half, -half)))
+
+
 def is_finite(state: State) -> bool:
     """Whether every number of the state is finite: a failed projection leaves NaN."""
     return bool(np.isfinite(state.positions).all() and np.isfinite(state.tangents).all())
-
-
-def both(wires: Bools) -> Bools:
-    """Nodes that both wires pass, (N,), from which wires pass (N, 2)."""
-    return np.asarray(wires.all(axis=1))

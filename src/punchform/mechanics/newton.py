@@ -15,7 +15,7 @@ from time import perf_counter
 import numpy as np
 
 from punchform.arrays import Floats
-from punchform.mechanics.assembly import Energy, Model
+from punchform.mechanics.assembly import Energy, Hessian, Model
 from punchform.mechanics.buckling import negative_modes
 from punchform.mechanics.frames import State, is_finite
 from punchform.mechanics.kinematics import Chart
@@ -59,7 +59,7 @@ class _Direction:
 
     z: Floats
     decrement: float
-    exact: bool
+    hessian: Hessian
     negative: int | None
     push: Floats | None = None
 
@@ -68,7 +68,7 @@ def minimise(
     energy: Energy,
     start: State,
     *,
-    max_steps: int = 60,
+    max_steps: int = 200,
     tolerance: float = 1e-12,
     linear: str = "auto",
     stage: str = "press",
@@ -120,7 +120,8 @@ def minimise(
 
 def _direction(energy: Energy, chart: Chart, solver: Solver, exact: bool, tally: _Tally) -> tuple[Model, _Direction]:
     """The Newton direction: of the exact Hessian if it is asked for and not too indefinite, else of Gauss-Newton."""
-    model = energy.model(chart, exact=exact)
+    kind = Hessian.EXACT if exact else Hessian.GAUSS_NEWTON
+    model = energy.model(chart, kind)
     factor = _factor(solver, model, tally)
     negative = factor.negative if exact else None
     modes = None
@@ -129,7 +130,8 @@ def _direction(energy: Energy, chart: Chart, solver: Solver, exact: bool, tally:
         modes = negative_modes(factor, negative)
         tally.solve += perf_counter() - begun
     if negative and modes is None:
-        model = energy.model(chart, exact=False)
+        kind = Hessian.PROJECTED
+        model = energy.model(chart, kind)
         factor = _factor(solver, model, tally)
     begun = perf_counter()
     z = factor.solve(-model.gradient)
@@ -139,7 +141,7 @@ def _direction(energy: Energy, chart: Chart, solver: Solver, exact: bool, tally:
     return model, _Direction(
         z,
         decrement=-0.5 * float(model.gradient @ z),
-        exact=exact and (not negative or modes is not None),
+        hessian=kind,
         negative=negative,
         push=None if modes is None else modes.shapes,
     )
@@ -236,8 +238,7 @@ def _record(
 ) -> None:
     gradient = float(np.abs(model.gradient).max(initial=0.0))
     relative = direction.decrement / model.energy if model.energy else 0.0
-    hessian = "exact" if direction.exact else "Gauss-Newton"
-    tally.history.append(Step(number, model.energy, gradient, relative, length, hessian))
+    tally.history.append(Step(number, model.energy, gradient, relative, length, direction.hessian.words))
     observe(Progress(stage, number, model.energy, gradient))
 
 

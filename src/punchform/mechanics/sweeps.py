@@ -20,6 +20,9 @@ from punchform.mechanics.element import (
     wire_ends,
 )
 
+GAUSS_NEWTON, PROJECTED, EXACT = 0, 1, 2
+"""Kinds of Hessian that `models` can make."""
+
 
 @njit(cache=True, nogil=True)
 def states(x, normals, tangents, family, start, end, direction, sigma, weight, C, offset, length, D, F, energies):
@@ -45,18 +48,20 @@ def energies(x, normals, tangents, family, start, end, direction, sigma, weight,
 @njit(cache=True, nogil=True)
 def models(
     chosen, x, normals, tangents, family, start, end, direction, sigma, weight, C, offset, length,
-    R, places, exact, energies, G, values,
+    R, places, kind, energies, G, values,
 ):  # fmt: skip
     """Add the chosen elements to G (2 N, 6) and to the sparse values; write their energies.
 
     G is the gradient to shifts and spin vectors; the Hessian is carried to the unknowns by R (2 N, 6, S):
-    Rᵀ Jᵀ C J R, and with `exact` also the second-order terms of Eq. (3.4).
+    Rᵀ Jᵀ C J R for the kind GAUSS_NEWTON, with the second-order terms of Eq. (3.4) for EXACT, and for PROJECTED
+    the latter with the negative eigenvalues of each element left out.
     """
+    exact = kind != GAUSS_NEWTON
     slots = R.shape[2]
     D, F, g = np.empty(6), np.empty(6), np.empty(12)
     J, K = np.empty((6, 12)), np.empty((12, 12))
     JR, CJR = np.empty((6, 2 * slots)), np.empty((6, 2 * slots))
-    KR = np.empty((12, 2 * slots))
+    KR, H = np.empty((12, 2 * slots)), np.empty((2 * slots, 2 * slots))
     for number in range(len(chosen)):
         m = chosen[number]
         w = family[m]
@@ -97,13 +102,8 @@ def models(
                     KR[r, q] = at_o
                     KR[r, slots + q] = at_b
 
-        pair = 0
         for p in range(2 * slots):
             for q in range(p, 2 * slots):
-                place = places[m, pair]
-                pair += 1
-                if place == -1:
-                    continue
                 total = 0.0
                 for k in range(6):
                     total += JR[k, p] * CJR[k, q]
@@ -113,25 +113,45 @@ def models(
                             total += R[row_o, c, p] * KR[c, q]
                         else:
                             total += R[row_b, c, p - slots] * KR[6 + c, q]
-                if place >= 0:
-                    values[place] += weight[m] * total
-                else:
-                    values[-2 - place] += 2.0 * weight[m] * total
+                H[p, q] = H[q, p] = weight[m] * total
+        if kind == PROJECTED:
+            make_semidefinite(H)
+        add(H, places[m], values)
 
 
 @njit(cache=True, nogil=True)
-def scatter(matrices, places, values):
-    """Add symmetric matrices (k, S, S) to the sparse values at their places."""
+def make_semidefinite(H):
+    """Leave out the negative eigenvalues of the symmetric H (S, S)."""
+    eigenvalues, vectors = np.linalg.eigh(H)
+    for k in range(len(H)):
+        if eigenvalues[k] >= 0.0:
+            break
+        for p in range(len(H)):
+            for q in range(len(H)):
+                H[p, q] -= eigenvalues[k] * vectors[p, k] * vectors[q, k]
+
+
+@njit(cache=True, nogil=True)
+def add(H, places, values):
+    """Add the symmetric H (S, S) to the sparse values at its places (S (S + 1) / 2,), as `Pattern.places` says."""
+    pair = 0
+    for p in range(len(H)):
+        for q in range(p, len(H)):
+            place = places[pair]
+            pair += 1
+            if place >= 0:
+                values[place] += H[p, q]
+            elif place < -1:
+                values[-2 - place] += 2.0 * H[p, q]
+
+
+@njit(cache=True, nogil=True)
+def scatter(matrices, places, kind, values):
+    """Add symmetric matrices (k, S, S) to the sparse values at their places; for PROJECTED made semidefinite."""
     for m in range(len(matrices)):
-        pair = 0
-        for p in range(matrices.shape[1]):
-            for q in range(p, matrices.shape[1]):
-                place = places[m, pair]
-                pair += 1
-                if place >= 0:
-                    values[place] += matrices[m, p, q]
-                elif place < -1:
-                    values[-2 - place] += 2.0 * matrices[m, p, q]
+        if kind == PROJECTED:
+            make_semidefinite(matrices[m])
+        add(matrices[m], places[m], values)
 
 
 @njit(cache=True, nogil=True)

@@ -1,0 +1,71 @@
+"""What a user should be told about a formed grid beyond its figures: where they end, and what to do about it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from punchform.case import PressCase
+from punchform.grid import Grid
+from punchform.punch import Surface
+from punchform.whole import Whole
+
+LARGEST_ANGLE = 0.2
+"""Beyond this angle [rad] between a wire and its chord Eq. (3.2), which is linear in it, is too soft."""
+CENTRED = 0.02
+"""A grid that has slid by less than this fraction of a step counts as centred."""
+
+
+def remarks(grid: Grid, whole: Whole, surface: Surface, case: PressCase) -> tuple[str, ...]:
+    """Notes on a formed grid, most important first; none when all is well."""
+    found = (
+        _steep(whole, grid.step),
+        _clamped(case),
+        _drawn_through(grid, whole, surface),
+        _off_centre(whole, surface, grid.step),
+        *grid.notes,
+    )
+    return tuple(note for note in found if note)
+
+
+def _steep(whole: Whole, step: tuple[float, float]) -> str:
+    angle = float((np.hypot(whole.D[:, 1], whole.D[:, 2]) / np.asarray(step)[whole.family - 1]).max())
+    if angle <= LARGEST_ANGLE:
+        return ""
+    return (
+        f"a wire leaves its crossing at up to {np.rad2deg(angle):.0f} degrees to the line to the next crossing; beyond "
+        f"{np.rad2deg(LARGEST_ANGLE):.0f} degrees the element is too soft, and tensions and energy come out too small: "
+        "take a smaller step or larger bend radii, or let the wires slide in"
+    )
+
+
+def _clamped(case: PressCase) -> str:
+    if case.rim != "clamp":
+        return ""
+    return (
+        "the rim is clamped: the wires can only stretch, and elastic wires then carry forces that no real wire bears; "
+        "take them as a sign that the wire yields (plastic wires are still to come)"
+    )
+
+
+def _drawn_through(grid: Grid, whole: Whole, surface: Surface) -> str:
+    if not np.isfinite(surface.rim_radius):
+        return ""
+    ends = np.bincount(whole.start, minlength=len(whole.index)) + np.bincount(whole.end, minlength=len(whole.index)) < 4
+    inside = np.linalg.norm(whole.positions[ends, :2], axis=1) < surface.rim_radius
+    if not inside.any():
+        return ""
+    return (
+        f"{inside.sum()} wire ends were drawn in past the rim at {surface.rim_radius:.6g} mm: the blank is too small "
+        "to be held there"
+    )
+
+
+def _off_centre(whole: Whole, surface: Surface, step: tuple[float, float]) -> str:
+    within = np.linalg.norm(whole.flat, axis=1) <= surface.rim_radius
+    slid = float(np.linalg.norm((whole.positions - whole.flat)[within, :2].mean(axis=0)))
+    if slid <= CENTRED * min(step):
+        return ""
+    return (
+        f"without friction the grid slid {slid:.3g} mm off the axis to where its energy is least; a press that keeps "
+        "it centred needs a little more"
+    )
