@@ -11,7 +11,7 @@ from punchform.case import CrossingSpring, PressCase, SolverCase
 from punchform.errors import InputError, NoEquilibrium
 from punchform.grid import Grid
 from punchform.mechanics.assembly import Bars, Energy, Hessian
-from punchform.mechanics.compiled import kernels_are_compiled
+from punchform.mechanics.compiled import compile_kernels, kernels_are_compiled
 from punchform.mechanics.descent import descend
 from punchform.mechanics.differences import Differences
 from punchform.mechanics.footing import normals_of
@@ -113,28 +113,41 @@ def press(
     contradict each other and NoEquilibrium when the solve ends without an equilibrium.
     """
     solver = solver or SolverCase()
-    if not kernels_are_compiled():
-        observe(Progress("press", message="compiling the kernels; only the first run does this"))
     begin = flat_start(grid, surface) if start is None else start
     if crossing == "welded":
         begin = squared(begin)
-    kinematics = _kinematics(grid, surface, case, crossing)
-    pins = free_motions(grid, kinematics, kinematics.chart(begin))
-    energy = Energy(
-        grid,
-        _bars(elements, case),
-        replace(kinematics, pins=pins),
-        crossing=crossing.stiffness if isinstance(crossing, CrossingSpring) else 0.0,
-    )
+    energy = energy_of(grid, elements, surface, case, crossing=crossing, start=begin)
+    if not kernels_are_compiled():
+        observe(Progress("press", message="compiling the kernels; only the first run does this"))
+        compile_kernels(energy, begin)
     if case.pull is None:
         solution = _solve(energy, begin, case, solver, observe)
     else:
         energy, solution = _solve_pulled(energy, begin, Pull(grid, case.pull), case, solver, observe)
     if case.method == "newton" and not solution.outcome.usable:
         raise NoEquilibrium(solution.outcome.value)
-    if pins:
+    if energy.kinematics.pins:
         solution = replace(solution, state=unturned(grid, solution.state))
     return _formed(energy, solution, elements, surface, case, yield_strength)
+
+
+def energy_of(
+    grid: Grid,
+    elements: tuple[Element, Element],
+    surface: Surface,
+    case: PressCase,
+    *,
+    crossing: str | CrossingSpring = "pinned",
+    start: State,
+) -> Energy:
+    """The energy that `press` minimises, Eq. (3.3), without the unknowns of the rigid motions free at the start."""
+    kinematics = _kinematics(grid, surface, case, crossing)
+    return Energy(
+        grid,
+        _bars(elements, case),
+        replace(kinematics, pins=free_motions(grid, kinematics, kinematics.chart(start))),
+        crossing=crossing.stiffness if isinstance(crossing, CrossingSpring) else 0.0,
+    )
 
 
 def _bars(elements: tuple[Element, Element], case: PressCase) -> Bars:
@@ -247,7 +260,7 @@ def _formed(
         state=state,
         whole=whole,
         outcome=solution.outcome,
-        history=solution.history,
+        history=tuple(replace(step, energy=grid.copies * step.energy) for step in solution.history),
         energy=sum(kinds.values()),
         energy_kinds=kinds,
         steps=solution.history[-1].number + 1 if solution.history else 0,

@@ -11,7 +11,7 @@ from punchform.case import machine_memory
 from punchform.cli.exits import Exit
 from punchform.mechanics.linear import chosen_solver
 
-_PACKAGES = ("numpy", "scipy", "numba", "rslab", "py-mkl-pardiso", "pydantic", "sympy", "matplotlib")
+_PACKAGES = ("numpy", "scipy", "numba", "rslab", "py-mkl-pardiso", "pydantic", "matplotlib")
 
 
 def about() -> Exit:

@@ -71,6 +71,10 @@ class Clock:
     kernel: float = 0.0
     assembly: float = 0.0
 
+    def reset(self) -> None:
+        """Begin again at zero."""
+        self.kernel = self.assembly = 0.0
+
 
 @dataclass(frozen=True)
 class Energy:

@@ -30,6 +30,7 @@ GRADIENT_RATIO = 1e-8
 SHORTEST = 1e-12
 """Halvings of lambda below this fraction of its first value end the descent."""
 REPORT_EVERY = 100
+"""The history keeps the first so many steps, and from then on one in so many."""
 
 
 def descend(
@@ -62,7 +63,7 @@ def descend(
         state, value, size, length, cost = taken
         evaluations += cost
         first = size if number == 0 else first
-        if number % REPORT_EVERY == 0 or size <= GRADIENT_RATIO * first:
+        if number < REPORT_EVERY or number % REPORT_EVERY == 0 or size <= GRADIENT_RATIO * first:
             history.append(Step(number, value, size, float("nan"), length, "none"))
             observe(Progress(stage, number, value, size))
         if size <= GRADIENT_RATIO * first:

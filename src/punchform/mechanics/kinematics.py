@@ -61,6 +61,10 @@ class Kinematics(Protocol):
     def count(self) -> int:
         """How many unknowns there are."""
 
+    @property
+    def pins(self) -> tuple[int, ...]:
+        """Unknowns left out of the natural count, so that rigid motions are gone."""
+
     def chart(self, state: State) -> Chart:
         """The unknowns around a state."""
 
