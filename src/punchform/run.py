@@ -6,12 +6,9 @@ from dataclasses import dataclass
 from time import perf_counter
 
 from punchform.case import Case
-from punchform.errors import InputError
-from punchform.grid import lay
+from punchform.prepare import prepare
 from punchform.press import Formed, press
 from punchform.progress import Observer, silent
-from punchform.punch import check_sharpness, surface
-from punchform.wire import mirror_symmetric, stiffness
 
 
 @dataclass(frozen=True)
@@ -32,28 +29,18 @@ def run(case: Case, *, observe: Observer = silent) -> Run:
     Raises InputError when the case cannot be pressed, NoEquilibrium when no equilibrium is found.
     """
     begun = perf_counter()
-    punch = surface(case.punch)
-    errors, warnings = check_sharpness(punch, min(case.grid.step))
-    if errors:
-        raise InputError(errors)
-    elements = stiffness(case.wire, case.grid.step)
-    grid = lay(
-        case.grid,
-        rim_radius=punch.rim_radius,
-        mirror_planes=punch.mirror_planes and mirror_symmetric(elements),
-        reason="the wire is crimped out of its plane" if punch.mirror_planes else "the punch has none",
-    )
+    ready = prepare(case)
     formed = press(
-        grid,
-        elements,
-        punch,
+        ready.grid,
+        ready.elements,
+        ready.punch,
         case.press,
         crossing=case.grid.crossing,
         solver=case.solver,
         yield_strength=case.wire.yield_strength,
         observe=observe,
     )
-    notes = (*(warning.message for warning in warnings), *_later(case))
+    notes = (*(doubt.message for doubt in ready.doubts), *_later(case))
     return Run(case, formed, None, None, notes, perf_counter() - begun)
 
 

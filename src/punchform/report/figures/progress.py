@@ -35,7 +35,8 @@ def draw_progress(run: Run) -> Figure:
     dress(above, y="E − last E [mJ]")
     dress(below, x="step", y="gradient [N, N mm]")
     above.tick_params(labelbottom=False)
-    above.legend(loc="lower left", fontsize=TEXT - 1, frameon=False, labelcolor=INK)
+    if above.get_legend_handles_labels()[1]:
+        above.legend(loc="lower left", fontsize=TEXT - 1, frameon=False, labelcolor=INK)
     return figure
 
 

@@ -1,0 +1,70 @@
+"""From the case to what goes into the press: wire, punch and grid, built and checked together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+from punchform.case import Case
+from punchform.errors import InputError, Problem
+from punchform.grid import Grid, lay
+from punchform.punch import Revolution, bare, check_sharpness, surface
+from punchform.wire import Element, mirror_symmetric, stiffness
+
+Built = TypeVar("Built")
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """What the press needs: the grid, one element per family, the punch; and what is doubtful about them."""
+
+    grid: Grid
+    elements: tuple[Element, Element]
+    punch: Revolution
+    doubts: tuple[Problem, ...]
+
+
+def prepare(case: Case) -> Prepared:
+    """Build wire, punch, target and grid of a case.
+
+    Raises InputError with the problems of all four, not only of the first that fails.
+    """
+    problems: list[Problem] = []
+    elements = _tried(lambda: stiffness(case.wire, case.grid.step), problems)
+    punch = _tried(lambda: surface(case.punch), problems)
+    doubts: tuple[Problem, ...] = ()
+    if punch is not None:
+        errors, doubts = check_sharpness(punch, min(case.grid.step))
+        problems += errors
+    if case.target is not None:
+        problems += _tried(lambda: _target_problems(case), problems) or ()
+    planes = elements is None or mirror_symmetric(elements)
+    grid = _tried(
+        lambda: lay(
+            case.grid,
+            rim_radius=case.punch.rim_radius,
+            mirror_planes=planes,
+            reason="the wire is crimped out of its plane",
+        ),
+        problems,
+    )
+    if problems or grid is None or elements is None or punch is None:
+        raise InputError(problems)
+    return Prepared(grid, elements, punch, doubts)
+
+
+def _target_problems(case: Case) -> tuple[Problem, ...]:
+    """What is wrong with the wanted shape inside its aperture: the wires of the grid could not follow it."""
+    assert case.target is not None
+    wanted = bare(case.target.profile, case.target.aperture_radius, where="target.profile")
+    return check_sharpness(wanted, min(case.grid.step), where="target")[0]
+
+
+def _tried(build: Callable[[], Built], problems: list[Problem]) -> Built | None:
+    """What `build` gives, or None after adding what is wrong to the problems."""
+    try:
+        return build()
+    except InputError as error:
+        problems += error.problems
+        return None
