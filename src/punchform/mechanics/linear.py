@@ -156,9 +156,10 @@ class ScipySolver:
         return Factor(factor.solve, negative, upper)
 
 
+# In the order of preference.
 _SOLVERS: dict[str, tuple[str, Callable[[Pattern], Solver]]] = {
-    "pardiso": ("pymklpardiso", PardisoSolver),
     "rslab": ("rslab", RslabSolver),
+    "pardiso": ("pymklpardiso", PardisoSolver),
     "scipy": ("scipy", ScipySolver),
 }
 

@@ -131,6 +131,8 @@ def _direction(energy: Energy, chart: Chart, solver: Solver, exact: bool, tally:
         tally.solve += perf_counter() - begun
     if negative and modes is None:
         kind = Hessian.PROJECTED
+        # A factor can be most of the memory: let it go before the next is made.
+        del factor
         model = energy.model(chart, kind)
         factor = _factor(solver, model, tally)
     begun = perf_counter()
