@@ -226,7 +226,9 @@ def _why_whole(case: GridCase, index: Ints, mirror_planes: bool, reason: str) ->
         return "a plain weave with a cell on the axis has no mirror planes"
     if case.centre == "cell":
         return "with a cell on the axis the mirror planes cut elements, not nodes"
-    nodes = {(int(a), int(b)) for a, b in index}
-    if not all((-a, b) in nodes and (a, -b) in nodes for a, b in nodes):
+    far = np.abs(index).max(axis=0)
+    covered = np.zeros(2 * far + 1, dtype=bool)
+    covered[tuple((index + far).T)] = True
+    if not (np.array_equal(covered, covered[::-1]) and np.array_equal(covered, covered[:, ::-1])):
         return "the blank is not symmetric about both axes"
     return ""
