@@ -24,9 +24,10 @@ from punchform.mechanics.descent import descend
 from punchform.mechanics.frames import State
 from punchform.mechanics.newton import minimise
 from punchform.mechanics.outcome import Outcome
-from punchform.press import energy_of, flat_start
+from punchform.press import energy_of
 from punchform.progress import Progress
 from punchform.punch import surface
+from punchform.start import flat_start
 from punchform.wire import stiffness
 
 MARKS = (10, 100, 1000, 10_000)

@@ -26,8 +26,9 @@ from punchform.mechanics.assembly import Energy, Hessian
 from punchform.mechanics.linear import multiply, solver_for, upper_matrix
 from punchform.mechanics.newton import minimise
 from punchform.mechanics.pattern import Pattern
-from punchform.press import energy_of, flat_start
+from punchform.press import energy_of
 from punchform.punch import surface
+from punchform.start import flat_start
 from punchform.wire import stiffness
 
 MODULES = {"rslab": "rslab", "pardiso": "pymklpardiso", "scipy": "scipy"}

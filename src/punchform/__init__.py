@@ -16,15 +16,26 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from punchform.case import Case as Case
     from punchform.case import read_case as read_case
+    from punchform.drape import Drape as Drape
+    from punchform.drape import drape as drape
     from punchform.press import Formed as Formed
     from punchform.run import Run as Run
     from punchform.run import run as run
 
 __version__ = "0.1.0"
 
-__all__ = ["Case", "Formed", "Run", "__version__", "read_case", "run"]
+__all__ = ["Case", "Drape", "Formed", "Run", "__version__", "drape", "read_case", "run"]
 
-_HOMES = {"Case": "case", "read_case": "case", "Formed": "press", "Run": "run", "run": "run"}
+_HOMES = {
+    "Case": "case",
+    "read_case": "case",
+    "Drape": "drape",
+    "drape": "drape",
+    "Formed": "press",
+    "Run": "run",
+    "run": "run",
+}
+_VERBS = ("run", "drape")
 
 
 def __getattr__(name: str) -> Any:
@@ -35,10 +46,11 @@ def __getattr__(name: str) -> Any:
 
 
 class _Package(ModuleType):
-    """The package, in which `run` is the function also after the module `punchform.run` was imported."""
+    """The package, in which `run` and `drape` are functions also after the modules of these names were imported."""
 
     def __setattr__(self, name: str, value: object) -> None:
-        super().__setattr__(name, value.run if name == "run" and isinstance(value, ModuleType) else value)
+        verb = name in _VERBS and isinstance(value, ModuleType)
+        super().__setattr__(name, getattr(value, name) if verb else value)
 
 
 sys.modules[__name__].__class__ = _Package

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from punchform.arrays import Bools, Floats
+from punchform.arrays import Bools
 from punchform.case import CrossingSpring, PressCase, SolverCase
 from punchform.errors import InputError, NoEquilibrium
 from punchform.grid import Grid
@@ -14,8 +14,7 @@ from punchform.mechanics.assembly import Bars, Energy, Hessian
 from punchform.mechanics.compiled import compile_kernels, kernels_are_compiled
 from punchform.mechanics.descent import descend
 from punchform.mechanics.differences import Differences
-from punchform.mechanics.footing import normals_of
-from punchform.mechanics.frames import State, perpendicular, squared
+from punchform.mechanics.frames import State, squared
 from punchform.mechanics.kinematics import FreeFrames
 from punchform.mechanics.newton import minimise
 from punchform.mechanics.outcome import Outcome, Solution, Step
@@ -24,14 +23,13 @@ from punchform.progress import Observer, Progress, silent
 from punchform.pull import Pull
 from punchform.punch import Surface
 from punchform.remarks import remarks
+from punchform.start import begin
 from punchform.whole import Whole, unfold
 from punchform.wire import Element, stress
 
 FOLLOWED = 1e-9
 """The pull has found its direction when no wire end turns by more than this [rad] between two passes."""
 PULL_PASSES = 30
-VERTICAL = 1e-6
-"""How far from upright a wall must be [rad] for a flat wire to show its own way down it."""
 
 
 @dataclass(frozen=True)
@@ -81,20 +79,6 @@ class Formed:
         return float((flat - np.linalg.norm(self.state.positions[ends, :2], axis=1)).max(initial=0.0))
 
 
-def flat_start(grid: Grid, surface: Surface) -> State:
-    """The paper's start P(18): every node moves straight up onto the surface, u_x = u_y = 0, u_z = f."""
-    positions = np.column_stack((grid.flat, surface.height(grid.flat)))
-    normals = normals_of(surface.gap(positions))
-    tangents = [perpendicular(_downhill(np.eye(3)[w], normals), normals) for w in range(2)]
-    return State(positions, normals, np.stack(tangents, axis=1))
-
-
-def _downhill(wire: Floats, normals: Floats) -> Floats:
-    """The direction of a flat wire, bent down a little where it leaves the dome: on a vertical wall it points down."""
-    down = np.outer(normals @ wire, (0.0, 0.0, -VERTICAL))
-    return np.asarray(wire + down)
-
-
 def press(
     grid: Grid,
     elements: tuple[Element, Element],
@@ -109,21 +93,21 @@ def press(
 ) -> Formed:
     """Press the grid onto the surface: the minimum of its energy among all grids that lie there, Eq. (3.3).
 
-    start: where the search begins, the paper's P(18) when it is not given. Raises InputError for settings that
+    start: where the search begins, as `case.start` says when it is not given. Raises InputError for settings that
     contradict each other and NoEquilibrium when the solve ends without an equilibrium.
     """
     solver = solver or SolverCase()
-    begin = flat_start(grid, surface) if start is None else start
+    first = begin(grid, surface, case) if start is None else start
     if crossing == "welded":
-        begin = squared(begin)
-    energy = energy_of(grid, elements, surface, case, crossing=crossing, start=begin)
+        first = squared(first)
+    energy = energy_of(grid, elements, surface, case, crossing=crossing, start=first)
     if not kernels_are_compiled():
         observe(Progress("press", message="compiling the kernels; only the first run does this"))
-        compile_kernels(energy, begin)
+        compile_kernels(energy, first)
     if case.pull is None:
-        solution = _solve(energy, begin, case, solver, observe)
+        solution = _solve(energy, first, case, solver, observe)
     else:
-        energy, solution = _solve_pulled(energy, begin, Pull(grid, case.pull), case, solver, observe)
+        energy, solution = _solve_pulled(energy, first, Pull(grid, case.pull), case, solver, observe)
     if case.method == "newton" and not solution.outcome.usable:
         raise NoEquilibrium(solution.outcome.value)
     if energy.kinematics.pins:

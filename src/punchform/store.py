@@ -79,19 +79,30 @@ def check_folder(folder: str | Path, *, overwrite: bool = False) -> Path:
 def write_run(run: Run, folder: str | Path, *, overwrite: bool = False, extras: Sequence[Extra] = ()) -> Path:
     """Write the run folder and return its path: case.toml, result.json, nodes.csv, wires.csv, shape.vtp.
 
-    `extras` are called as `extra(run, folder)` to add files of their own (the report). All is written to a
-    hidden folder beside the target, which takes its place at the end; whatever stops the writing,
-    KeyboardInterrupt included, leaves the target as it was and nothing beside it. Raises InputError as
-    `check_folder` does, and when the disk refuses.
+    `extras` are called as `extra(run, folder)` to add files of their own (the report). Whole or not at all, see
+    `write_folder`, and raises what that raises.
+    """
+
+    def write(aside: Path) -> None:
+        _write_files(run, aside)
+        for extra in extras:
+            extra(run, aside)
+
+    return write_folder(folder, write, overwrite=overwrite)
+
+
+def write_folder(folder: str | Path, write: Callable[[Path], None], *, overwrite: bool = False) -> Path:
+    """Call `write` on a hidden folder beside the target, which then takes its place; returns its path.
+
+    Whatever stops the writing, KeyboardInterrupt included, leaves the target as it was and nothing beside it.
+    Raises InputError as `check_folder` does, and when the disk refuses.
     """
     target = check_folder(folder, overwrite=overwrite)
     made = [parent for parent in target.parents if not parent.exists()]
     aside = target.with_name(f".{target.name}.{secrets.token_hex(4)}.new")
     try:
         aside.mkdir(parents=True)
-        _write_files(run, aside)
-        for extra in extras:
-            extra(run, aside)
+        write(aside)
         check_folder(folder, overwrite=overwrite)
         _put_in_place(aside, target)
     except BaseException as problem:

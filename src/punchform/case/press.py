@@ -37,6 +37,10 @@ class PressCase(Part):
     rim: Literal["draw", "clamp"] = Field(
         default="draw", description="draw: the flange slides in freely; clamp: held from the rim outwards"
     )
+    start: Literal["net", "flat"] = Field(
+        default="net",
+        description="net: from the inextensible net, where it reaches all crossings; flat: the paper's P(18)",
+    )
     method: Literal["newton", "descent"] = Field(
         default="newton", description="newton: exact Hessian; descent: the paper's method, for comparison"
     )

@@ -74,6 +74,19 @@ def _run(arguments: argparse.Namespace) -> Exit:
                 quiet=arguments.quiet,
                 as_json=arguments.json,
             )
+        case "drape":
+            from punchform.cli.drape import drape_case
+
+            return drape_case(
+                arguments.case,
+                arguments.output,
+                overwrite=arguments.overwrite,
+                quiet=arguments.quiet,
+                as_json=arguments.json,
+                origin=arguments.origin,
+                direction=arguments.direction,
+                shear_limit=arguments.shear_limit,
+            )
         case "element":
             from punchform.cli.element import element
 
@@ -115,12 +128,15 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"punchform {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
-    form = commands.add_parser("form", help="press the grid of a case over its punch")
-    form.add_argument("case", metavar="CASE", help=CASE_HELP)
-    form.add_argument("-o", "--output", metavar="DIR", required=True, help="folder for the results")
-    form.add_argument("--overwrite", action="store_true", help="replace an earlier run in that folder")
-    form.add_argument("--quiet", action="store_true", help="no progress and no notes")
-    form.add_argument("--json", action="store_true", help="print result.json instead of a summary")
+    _add_run(commands.add_parser("form", help="press the grid of a case over its punch"))
+
+    drape = commands.add_parser("drape", help="lay the grid over the punch with wires of constant length, no solve")
+    _add_run(drape)
+    drape.add_argument("--origin", metavar="X,Y", help="where the axis of the grid lies, such as '10 mm, 0 mm'")
+    drape.add_argument("--direction", metavar="ANGLE", help="direction of the first wires in plan, such as '30 deg'")
+    drape.add_argument(
+        "--shear-limit", metavar="ANGLE", help="shear at which the net locks (where neighbouring wires touch)"
+    )
 
     element = commands.add_parser("element", help="the stiffness of one wire between two crossings")
     element.add_argument("case", metavar="CASE", help=CASE_HELP)
@@ -143,3 +159,12 @@ def _parser() -> argparse.ArgumentParser:
     commands.add_parser("schema", help="print the JSON schema of the case file")
     commands.add_parser("about", help="versions, platform, linear solver, cores, memory")
     return parser
+
+
+def _add_run(command: argparse.ArgumentParser) -> None:
+    """The arguments of a command that turns a case into a folder of results."""
+    command.add_argument("case", metavar="CASE", help=CASE_HELP)
+    command.add_argument("-o", "--output", metavar="DIR", required=True, help="folder for the results")
+    command.add_argument("--overwrite", action="store_true", help="replace an earlier run in that folder")
+    command.add_argument("--quiet", action="store_true", help="no progress and no notes")
+    command.add_argument("--json", action="store_true", help="print result.json instead of a summary")

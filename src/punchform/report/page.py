@@ -20,6 +20,7 @@ from punchform.report.figures.style import save
 from punchform.report.words import energy, percent, size, verdict
 
 if TYPE_CHECKING:
+    from punchform.case import Case
     from punchform.run import Run
 
 PAGE, FIGURES = "report.html", "figures"
@@ -33,6 +34,7 @@ KINDS = {
 }
 
 Rows = tuple[tuple[str, str], ...]
+Tables = tuple[tuple[str, Rows], ...]
 
 
 def write_report(run: Run, folder: Path) -> None:
@@ -53,7 +55,35 @@ def draw_figures(run: Run, folder: Path) -> tuple[tuple[Picture, Path], ...]:
 
 
 def page(run: Run, images: tuple[tuple[Picture, Path], ...]) -> str:
-    """The HTML of the report; images are embedded, and all text from the case is escaped."""
+    """The HTML of the report of a run."""
+    return render(
+        run.case,
+        subtitle="A flat grid of wires formed over a punch: what punchform expects",
+        good=run.formed.outcome.name == "CONVERGED",
+        verdict=verdict(run),
+        results=(("Result", _result_rows(run)), ("Grid and tool", _grid_rows(run))),
+        details_title="Energy and solve",
+        details=(("Where the energy is", _energy_rows(run)), ("Solve", _solve_rows(run))),
+        images=images,
+        notes=all_notes(run),
+        beside="nodes.csv and wires.csv (tables), shape.vtp (for ParaView), result.json, case.toml",
+    )
+
+
+def render(
+    case: Case,
+    *,
+    subtitle: str,
+    good: bool,
+    verdict: tuple[str, ...],
+    results: Tables,
+    details_title: str,
+    details: Tables,
+    images: tuple[tuple[Picture, Path], ...],
+    notes: tuple[str, ...],
+    beside: str,
+) -> str:
+    """A page of words, tables and figures on a case; images are embedded, and all text from the case is escaped."""
     environment = Environment(
         loader=PackageLoader("punchform.report"),
         autoescape=True,
@@ -62,14 +92,17 @@ def page(run: Run, images: tuple[tuple[Picture, Path], ...]) -> str:
         lstrip_blocks=True,
     )
     return environment.get_template("report.html.j2").render(
-        title=run.case.title or "Formed grid",
-        converged=run.formed.outcome.name == "CONVERGED",
-        verdict=verdict(run),
-        results=(("Result", _result_rows(run)), ("Grid and tool", _grid_rows(run))),
-        details=(("Where the energy is", _energy_rows(run)), ("Solve", _solve_rows(run))),
+        title=case.title or "Formed grid",
+        subtitle=subtitle,
+        good=good,
+        verdict=verdict,
+        results=results,
+        details_title=details_title,
+        details=details,
         figures=[(picture, _embedded(path)) for picture, path in images],
-        notes=all_notes(run),
-        case_text=write_case(run.case),
+        notes=notes,
+        case_text=write_case(case),
+        beside=beside,
         versions=_versions(),
     )
 

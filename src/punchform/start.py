@@ -1,0 +1,40 @@
+"""Where the search for the formed grid begins: the inextensible net, or the paper's flat start P(18)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from punchform.arrays import Floats
+from punchform.case import PressCase
+from punchform.grid import Grid
+from punchform.mechanics.footing import normals_of
+from punchform.mechanics.frames import State, perpendicular
+from punchform.net import start_state
+from punchform.punch import Surface
+
+VERTICAL = 1e-6
+"""How far from upright a wall must be [rad] for a flat wire to show its own way down it."""
+
+
+def begin(grid: Grid, surface: Surface, case: PressCase) -> State:
+    """The start that a case asks for; the flat one where the net does not reach every node, or the rim is clamped."""
+    if case.start == "flat" or case.rim == "clamp":
+        return flat_start(grid, surface)
+    net = start_state(grid, surface)
+    if not net.net.complete:
+        return flat_start(grid, surface)
+    return State(net.positions, net.normals, net.tangents)
+
+
+def flat_start(grid: Grid, surface: Surface) -> State:
+    """The paper's start P(18): every node moves straight up onto the surface, u_x = u_y = 0, u_z = f."""
+    positions = np.column_stack((grid.flat, surface.height(grid.flat)))
+    normals = normals_of(surface.gap(positions))
+    tangents = [perpendicular(_downhill(np.eye(3)[w], normals), normals) for w in range(2)]
+    return State(positions, normals, np.stack(tangents, axis=1))
+
+
+def _downhill(wire: Floats, normals: Floats) -> Floats:
+    """The direction of a flat wire, bent down a little where it leaves the dome: on a vertical wall it points down."""
+    down = np.outer(normals @ wire, (0.0, 0.0, -VERTICAL))
+    return np.asarray(wire + down)
