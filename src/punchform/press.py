@@ -10,7 +10,7 @@ from punchform.arrays import Bools
 from punchform.case import CrossingSpring, PressCase, SolverCase
 from punchform.errors import InputError, NoEquilibrium
 from punchform.grid import Grid
-from punchform.mechanics.assembly import Bars, Energy, Hessian
+from punchform.mechanics.assembly import Bars, Energy, Hessian, Loads
 from punchform.mechanics.compiled import compile_kernels, kernels_are_compiled
 from punchform.mechanics.descent import descend
 from punchform.mechanics.differences import Differences
@@ -107,7 +107,7 @@ def press(
     if case.pull is None:
         solution = _solve(energy, first, case, solver, observe)
     else:
-        energy, solution = _solve_pulled(energy, first, Pull(grid, case.pull), case, solver, observe)
+        energy, solution = _solve_pulled(energy, first, Pull(grid, surface, case.pull), case, solver, observe)
     if case.method == "newton" and not solution.outcome.usable:
         raise NoEquilibrium(solution.outcome.value)
     if energy.kinematics.pins:
@@ -191,13 +191,16 @@ def _solve_pulled(
     passes: list[Solution] = []
     state = start
     for _ in range(PULL_PASSES):
-        energy = replace(energy, loads=pull.forces(state))
+        energy = replace(energy, loads=Loads(pull.forces(state), state.positions))
         passes.append(_solve(energy, state, case, solver, observe))
         turned = pull.forces(passes[-1].state) - pull.forces(state)
         state = passes[-1].state
         if not passes[-1].outcome.usable or np.abs(turned).max() <= FOLLOWED * max(map(abs, pull.force)):
             return energy, _joined(passes)
-    raise NoEquilibrium(f"the pulled wire ends still turn after {PULL_PASSES} passes; pull less, or weld the crossings")
+    raise NoEquilibrium(
+        f"the pulled wire ends still turn after {PULL_PASSES} passes: the grid slides about on the punch; give it a "
+        "wider flange, weld the crossings, or use its mirror planes (grid.symmetry = 'quarter')"
+    )
 
 
 def _joined(passes: list[Solution]) -> Solution:
@@ -206,6 +209,7 @@ def _joined(passes: list[Solution]) -> Solution:
     return replace(
         passes[-1],
         history=tuple(replace(step, number=number) for number, step in enumerate(history)),
+        steps=sum(one.steps for one in passes),
         factorisations=sum(one.factorisations for one in passes),
         evaluations=sum(one.evaluations for one in passes),
         seconds={key: sum(one.seconds[key] for one in passes) for key in passes[-1].seconds},
@@ -247,12 +251,12 @@ def _formed(
         history=tuple(replace(step, energy=grid.copies * step.energy) for step in solution.history),
         energy=sum(kinds.values()),
         energy_kinds=kinds,
-        steps=solution.history[-1].number + 1 if solution.history else 0,
+        steps=solution.steps,
         factorisations=solution.factorisations,
         negative_eigenvalues=solution.negative_eigenvalues,
         linear_solver=solution.linear_solver,
         seconds=solution.seconds,
-        notes=remarks(grid, whole, surface, case),
+        notes=remarks(grid, elements, whole, surface, case),
     )
 
 

@@ -8,6 +8,7 @@ from punchform.case import PressCase
 from punchform.grid import Grid
 from punchform.punch import Surface
 from punchform.whole import Whole
+from punchform.wire import Element
 
 LARGEST_ANGLE = 0.2
 """Beyond this angle [rad] between a wire and its chord Eq. (3.2), which is linear in it, is too soft."""
@@ -15,10 +16,13 @@ CENTRED = 0.02
 """A grid that has slid by less than this fraction of a step counts as centred."""
 
 
-def remarks(grid: Grid, whole: Whole, surface: Surface, case: PressCase) -> tuple[str, ...]:
+def remarks(
+    grid: Grid, elements: tuple[Element, Element], whole: Whole, surface: Surface, case: PressCase
+) -> tuple[str, ...]:
     """Notes on a formed grid, most important first; none when all is well."""
     found = (
         _steep(whole, grid.step),
+        _overpulled(whole, elements),
         _clamped(case),
         _drawn_through(grid, whole, surface),
         _off_centre(whole, surface, grid.step),
@@ -36,6 +40,26 @@ def _steep(whole: Whole, step: tuple[float, float]) -> str:
         f"{np.rad2deg(LARGEST_ANGLE):.0f} degrees the element is too soft, and tensions and energy come out too small: "
         "take a smaller step or larger bend radii, or let the wires slide in"
     )
+
+
+def _overpulled(whole: Whole, elements: tuple[Element, Element]) -> str:
+    """A pull T acts in Eq. (3.2) as a bending stiffness - T s²/4: beyond Eq. (3.8) the wire buckles falsely."""
+    for number, element in enumerate(elements, start=1):
+        bound, pull = largest_pull(element), float(whole.F[whole.family == number, 0].max(initial=0.0))
+        if pull > bound:
+            return (
+                f"a wire is pulled with {pull:.3g} N; beyond {bound:.3g} N (it falls with the square of the step) the "
+                "element buckles where a wire would not: take a smaller step, and do not trust the forces of this run"
+            )
+    return ""
+
+
+def largest_pull(element: Element) -> float:
+    """The pull [N] beyond which the element of Eq. (3.2) buckles falsely, Eq. (3.8): 3 EI/s² for a straight wire."""
+    C, s = element.C, element.length
+    sideways = C[1, 1] - C[1, 5] ** 2 / C[5, 5]
+    upwards = C[2, 2] - C[2, 4] ** 2 / C[4, 4]
+    return float(s * min(sideways, upwards))
 
 
 def _clamped(case: PressCase) -> str:

@@ -6,6 +6,7 @@ import numpy as np
 
 from punchform.arrays import Floats
 from punchform.case import PressCase
+from punchform.errors import InputError
 from punchform.grid import Grid
 from punchform.mechanics.footing import normals_of
 from punchform.mechanics.frames import State, perpendicular
@@ -27,8 +28,18 @@ def begin(grid: Grid, surface: Surface, case: PressCase) -> State:
 
 
 def flat_start(grid: Grid, surface: Surface) -> State:
-    """The paper's start P(18): every node moves straight up onto the surface, u_x = u_y = 0, u_z = f."""
-    positions = np.column_stack((grid.flat, surface.height(grid.flat)))
+    """The paper's start P(18): every node moves straight up onto the surface, u_x = u_y = 0, u_z = f.
+
+    Raises InputError where the surface has no height over a node.
+    """
+    height = surface.height(grid.flat)
+    if not np.isfinite(height).all():
+        raise InputError.of(
+            "the blank reaches beyond the surface, so the flat grid cannot be laid straight onto it",
+            where="grid.blank",
+            hint="make the blank smaller, or start from the net",
+        )
+    positions = np.column_stack((grid.flat, height))
     normals = normals_of(surface.gap(positions))
     tangents = [perpendicular(_downhill(np.eye(3)[w], normals), normals) for w in range(2)]
     return State(positions, normals, np.stack(tangents, axis=1))

@@ -24,6 +24,8 @@ from punchform.mechanics.frames import State, crossing_angle
 from punchform.mechanics.kinematics import Chart, Kinematics
 from punchform.mechanics.pattern import Pattern, analyse, colours
 
+ROUNDING = 1e-13
+"""Rounding of a long sum, relative to its terms; that of a coordinate counts a tenth of it."""
 THREADS = 2
 WORTH_A_THREAD = 4000
 """Below this many elements of one colour a second thread costs more than it saves."""
@@ -55,10 +57,28 @@ class Bars:
 
 
 @dataclass(frozen=True)
+class Loads:
+    """Dead forces (N, 3) on the nodes [N], and the positions (N, 3) from which their work counts [mm]."""
+
+    forces: Floats
+    anchors: Floats
+
+    def work(self, state: State) -> Floats:
+        """Work of each force component, (N, 3) [mJ]."""
+        return np.asarray(self.forces * (state.positions - self.anchors))
+
+
+@dataclass(frozen=True)
 class Model:
-    """The energy around a chart: energy [mJ], gradient (n,), upper CSR values (nnz,), and G (2 N, 6) of Eq. (3.4)."""
+    """The energy around a chart: energy [mJ], gradient (n,), upper CSR values (nnz,), and G (2 N, 6) of Eq. (3.4).
+
+    size: the energy that counts as large here, elastic energy and work without their signs [mJ]; rounding: energies
+    nearer than this are the same [mJ].
+    """
 
     energy: float
+    size: float
+    rounding: float
     gradient: Floats
     values: Floats
     G: Floats
@@ -80,14 +100,14 @@ class Clock:
 class Energy:
     """The energy of the grid as a function of its unknowns (one solve: grid, wire, kinematics, crossing, loads).
 
-    crossing: stiffness of the crossing springs [N mm/rad], 0 for none; loads (N, 3): dead forces on the nodes [N].
+    crossing: stiffness of the crossing springs [N mm/rad], 0 for none; loads: dead forces on the nodes.
     """
 
     grid: Grid
     bars: Bars
     kinematics: Kinematics
     crossing: float = 0.0
-    loads: Floats | None = None
+    loads: Loads | None = None
     clock: Clock = field(default_factory=Clock)
 
     @cached_property
@@ -140,16 +160,18 @@ class Energy:
         self._in_threads(sweep)
         self.clock.kernel += perf_counter() - begun
         begun = perf_counter()
-        energy = float(energies @ self.grid.weight) + self.springs(chart.state) - self._work(chart.state)
+        elastic = float(energies @ self.grid.weight) + self.springs(chart.state)
+        energy = elastic - self._work(chart.state)
+        size = elastic if self.loads is None else elastic + float(np.abs(self.loads.work(chart.state)).sum())
         self._add_crossings(chart, G, values)
         if self.loads is not None:
-            G.reshape(-1, 2, 6)[np.arange(self.grid.nodes), self._first_wire, :3] -= self.loads
+            G.reshape(-1, 2, 6)[np.arange(self.grid.nodes), self._first_wire, :3] -= self.loads.forces
         if hessian is not Hessian.GAUSS_NEWTON:
             sweeps.scatter(chart.curvature(G), pattern.places[1], hessian.value, values)
         gradient = np.zeros(self.kinematics.count)
         sweeps.reduce(R, G, self.kinematics.unknowns, gradient)
         self.clock.assembly += perf_counter() - begun
-        return Model(energy, gradient, values, G)
+        return Model(energy, size, self._rounding(chart.state, elastic, size), gradient, values, G)
 
     def _of(self, state: State) -> tuple[Any, ...]:
         """What the kernels need of state, grid and wire, in their order."""
@@ -193,8 +215,13 @@ class Energy:
             return 0.0
         return float(0.5 * self._shear_moment(state) @ (crossing_angle(state) - 0.5 * np.pi))
 
+    def _rounding(self, state: State, elastic: float, size: float) -> float:
+        """What rounding does to the energy: to its sum, and to forces F ~ √(2 C11 U) times rounded coordinates."""
+        forces = np.sqrt(2 * self.bars.C[:, 0, 0].max() * elastic)
+        return float(ROUNDING * (size + 0.1 * np.abs(state.positions).max() * forces))
+
     def _work(self, state: State) -> float:
-        return 0.0 if self.loads is None else float(np.sum(self.loads * state.positions))
+        return 0.0 if self.loads is None else float(np.sum(self.loads.work(state)))
 
     def _add_crossings(self, chart: Chart, G: Floats, values: Floats) -> None:
         """Moments and stiffness of the crossing springs, Eq. (4.5): theta' = s2 - s1 about the normal."""

@@ -13,6 +13,8 @@ The unknowns are those of the kinematics, so that steep walls work too; at the a
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
 from time import perf_counter
 
 import numpy as np
@@ -25,12 +27,23 @@ from punchform.mechanics.linear import multiply, upper_matrix
 from punchform.mechanics.outcome import Outcome, Solution, Step
 from punchform.progress import Observer, Progress, silent
 
-GRADIENT_RATIO = 1e-8
-"""The descent counts as stationary when the gradient has fallen to this fraction of its first value."""
-SHORTEST = 1e-12
+STILL = 1e-12
+"""The descent is stationary when its best step would gain less than this fraction of the energy."""
+SHORTEST = 2.0**-40
 """Halvings of lambda below this fraction of its first value end the descent."""
 REPORT_EVERY = 100
 """The history keeps the first so many steps, and from then on one in so many."""
+
+
+@dataclass(frozen=True)
+class _Taken:
+    """One step: the energy and gradient before it, lambda, the state after it, and how many gradients it cost."""
+
+    energy: float
+    gradient: Floats
+    length: float
+    after: State
+    gradients: int = 1
 
 
 def descend(
@@ -48,79 +61,66 @@ def descend(
     Ends as STATIONARY (the method cannot tell a minimum), STEP_LIMIT, or NO_DESCENT when no lambda lowers the energy.
     """
     begun = perf_counter()
-    steps = {
+    # The kinematics may have frames of its own for these positions.
+    start = energy.kinematics.chart(start).state
+    taken = {
         "exact": _exact(energy, start),
         "fixed": _fixed(energy, start, step_length or 0.0),
         "reuse-direction": _reused(energy, start, step_length or 0.0),
     }[rule]
     history: list[Step] = []
-    state, outcome, evaluations, first = start, Outcome.STEP_LIMIT, 0, np.inf
-    for number in range(max_steps):
-        taken = next(steps, None)
-        if taken is None:
-            outcome = Outcome.NO_DESCENT
-            break
-        state, value, size, length, cost = taken
-        evaluations += cost
-        first = size if number == 0 else first
-        if number < REPORT_EVERY or number % REPORT_EVERY == 0 or size <= GRADIENT_RATIO * first:
-            history.append(Step(number, value, size, float("nan"), length, "none"))
-            observe(Progress(stage, number, value, size))
-        if size <= GRADIENT_RATIO * first:
-            outcome = Outcome.STATIONARY
-            break
+    state, gradients, steps, outcome = start, 0, 0, Outcome.STEP_LIMIT
+    for step in islice(taken, max_steps):
+        state, gradients = step.after, gradients + step.gradients
+        if steps < REPORT_EVERY or steps % REPORT_EVERY == 0:
+            largest = float(np.abs(step.gradient).max(initial=0.0))
+            history.append(Step(steps, step.energy, largest, float("nan"), step.length, "none"))
+            observe(Progress(stage, steps, step.energy, largest))
+        steps += 1
+    if steps < max_steps:
+        outcome = Outcome.STATIONARY if _is_still(energy, state) else Outcome.NO_DESCENT
     return Solution(
         state=state,
         outcome=outcome,
         history=tuple(history),
-        evaluations=evaluations,
+        steps=steps,
+        evaluations=gradients,
         seconds={"total": perf_counter() - begun},
     )
-
-
-_Taken = tuple[State, float, float, float, int]
-"""State after a step, energy and largest gradient entry before it, lambda, gradients that it cost."""
-
-
-def _largest(gradient: Floats) -> float:
-    return float(np.abs(gradient).max(initial=0.0))
 
 
 def _exact(energy: Energy, state: State) -> Iterator[_Taken]:
     while True:
         chart = energy.kinematics.chart(state)
         model = energy.model(chart, Hessian.EXACT)
-        a = model.gradient
-        length = float(a @ a) / _curvature(energy, chart, model, a)
-        after = chart.moved(-length * a)
-        while not _lower(energy, after, model.energy):
+        length = first = _best_length(energy, chart, model)
+        while not _lower(energy, after := chart.moved(-length * model.gradient), model.energy):
             length *= 0.5
-            if length * float(a @ a) <= SHORTEST * abs(model.energy) * 1e-3:
+            if length < SHORTEST * first:
                 return
-            after = chart.moved(-length * a)
         state = after
-        yield state, model.energy, _largest(a), length, 1
+        yield _Taken(model.energy, model.gradient, length, state)
 
 
-def _curvature(energy: Energy, chart: Chart, model: Model, a: Floats) -> float:
-    """aᵀHa of the exact Hessian where it is positive, else of its Gauss-Newton part."""
+def _best_length(energy: Energy, chart: Chart, model: Model) -> float:
+    """lambda = aᵀa / aᵀHa with the exact Hessian where aᵀHa is positive, else with its Gauss-Newton part."""
+    a = model.gradient
     along = float(a @ multiply(upper_matrix(energy.pattern, model.values), a))
-    if along > 0:
-        return along
-    values = energy.model(chart, Hessian.GAUSS_NEWTON).values
-    return max(float(a @ multiply(upper_matrix(energy.pattern, values), a)), 1e-300)
+    if along <= 0:
+        values = energy.model(chart, Hessian.GAUSS_NEWTON).values
+        along = float(a @ multiply(upper_matrix(energy.pattern, values), a))
+    return float(a @ a) / max(along, 1e-300)
 
 
 def _fixed(energy: Energy, state: State, length: float) -> Iterator[_Taken]:
-    last = np.inf
     while True:
         chart = energy.kinematics.chart(state)
         model = energy.model(chart, Hessian.GAUSS_NEWTON)
         after = chart.moved(-length * model.gradient)
-        if model.energy > last or not is_finite(after):
+        if not _lower(energy, after, model.energy):
             return
-        state, last = after, model.energy
-        yield state, model.energy, _largest(model.gradient), length, 1
+        state = after
+        yield _Taken(model.energy, model.gradient, length, state)
 
 
 def _reused(energy: Energy, state: State, first: float) -> Iterator[_Taken]:
@@ -130,11 +130,20 @@ def _reused(energy: Energy, state: State, first: float) -> Iterator[_Taken]:
         model = energy.model(chart, Hessian.GAUSS_NEWTON)
         reached, value = 0, model.energy
         while _lower(energy, after := chart.moved(-(reached + 1) * length * model.gradient), value):
-            reached, value, state = reached + 1, energy.at(after), after
-            yield state, value, _largest(model.gradient), length, int(reached == 1)
+            reached, state = reached + 1, after
+            yield _Taken(value, model.gradient, length, state, gradients=int(reached == 1))
+            value = energy.at(after)
         if reached == 0:
             length *= 0.5
 
 
 def _lower(energy: Energy, state: State, value: float) -> bool:
     return is_finite(state) and energy.at(state) < value
+
+
+def _is_still(energy: Energy, state: State) -> bool:
+    """Whether the best step along the gradient would gain next to nothing: ½ lambda aᵀa with the exact lambda."""
+    chart = energy.kinematics.chart(state)
+    model = energy.model(chart, Hessian.EXACT)
+    gain = 0.5 * _best_length(energy, chart, model) * float(model.gradient @ model.gradient)
+    return gain <= STILL * model.size

@@ -22,6 +22,8 @@ from punchform.mechanics.pattern import Pattern
 RESIDUAL = 1e-13
 """Relative residual beyond which a solution is refined."""
 REFINEMENTS = 3
+PERTURBED_PIVOTS, NEGATIVE_EIGENVALUES = 13, 22
+"""Places of what PARDISO counts in its table of parameters."""
 
 
 class SingularMatrix(ArithmeticError):
@@ -66,6 +68,12 @@ class Factor:
         return multiply(self.upper, x)
 
 
+def _demand_finite(values: Floats) -> None:
+    """Libraries treat numbers that are not finite each in its own way: none may meet them."""
+    if not np.isfinite(values).all():
+        raise SingularMatrix("the matrix is not finite")
+
+
 def multiply(upper: csr_array, x: Floats) -> Floats:
     """The product (n,) of the symmetric matrix, given by its upper triangle, with x."""
     return np.asarray(upper @ x + upper.T @ x - upper.diagonal() * x)
@@ -96,6 +104,7 @@ class RslabSolver:
 
     def factor(self, values: Floats) -> Factor:
         """Factor the matrix with these upper CSR values; raises SingularMatrix."""
+        _demand_finite(values)
         try:
             factor = self._analysis.factor(values)
         except RuntimeError as error:
@@ -120,11 +129,17 @@ class PardisoSolver:
     def factor(self, values: Floats) -> Factor:
         """Factor the matrix with these upper CSR values; raises SingularMatrix."""
         solver = self._analysis
+        _demand_finite(values)
         try:
             solver.refactor(values)
         except RuntimeError as error:
             raise SingularMatrix(str(error)) from error
-        return Factor(solver.solve, int(solver.get_iparm_value(22)), upper_matrix(self.pattern, values))
+        # PARDISO puts small numbers in the place of zero pivots and goes on.
+        if solver.get_iparm_value(PERTURBED_PIVOTS) > 0:
+            raise SingularMatrix("zero pivots")
+        return Factor(
+            solver.solve, int(solver.get_iparm_value(NEGATIVE_EIGENVALUES)), upper_matrix(self.pattern, values)
+        )
 
 
 @dataclass(frozen=True)
@@ -139,6 +154,7 @@ class ScipySolver:
         from scipy.sparse import diags_array
         from scipy.sparse.linalg import splu
 
+        _demand_finite(values)
         upper = upper_matrix(self.pattern, values)
         whole = csc_array(upper + upper.T - diags_array(upper.diagonal()))
         try:

@@ -28,8 +28,8 @@ SHORTEST = 2.0**-20
 """The shortest fraction of a step that is tried."""
 LARGEST_TURN = 0.5
 """Cap of a step's rotations [rad]."""
-FIRST_PUSH = 1e-3
-"""First push along a mode of negative curvature: rotation [rad], or shift in grid steps."""
+FIRST_PUSH, LEAST_PUSH = 1e-3, 1e-6
+"""First and least push along a mode of negative curvature: rotation [rad], or shift in grid steps."""
 MOST_MODES = 8
 """With more negative eigenvalues than this the exact Hessian is left for the Gauss-Newton part."""
 GRID_STEPS = 4.0
@@ -38,8 +38,6 @@ GOOD_MODEL = 0.05
 """The exact Hessian is used after a full step whose gain was this near, relatively, to what the model foretold ..."""
 NEAR = 1e-2
 """... or whose decrement was below this fraction of the energy."""
-ROUNDING = 1e-13
-"""Energies nearer than this, relatively, are the same number."""
 
 
 @dataclass
@@ -91,7 +89,7 @@ def minimise(
             outcome = Outcome.SINGULAR
             break
         negative = direction.negative
-        scale = tolerance * max(abs(model.energy), _smallest_energy(energy))
+        scale = tolerance * max(model.size, _smallest_energy(energy))
         if direction.decrement <= scale and exact and direction.push is None:
             state, length = _last_step(energy, chart, model, direction), 1.0
             outcome = _ending(direction)
@@ -102,14 +100,18 @@ def minimise(
         if after is None:
             outcome = Outcome.NO_DESCENT
             break
+        if direction.decrement <= scale and exact and gained <= model.rounding:
+            outcome = Outcome.SADDLE
+            break
         state = after
         promised = 2 * direction.decrement * length * (1 - 0.5 * length)
-        near = direction.decrement <= NEAR * abs(model.energy)
+        near = direction.decrement <= NEAR * model.size
         exact = near or (length == 1.0 and abs(gained - promised) <= GOOD_MODEL * promised)
     return Solution(
         state=state,
         outcome=outcome,
         history=tuple(tally.history),
+        steps=len(tally.history),
         factorisations=tally.factorisations,
         evaluations=tally.evaluations,
         negative_eigenvalues=negative,
@@ -170,7 +172,7 @@ def _search(
         tally.evaluations += 1
         energy_after = energy.at(after) if is_finite(after) else np.inf
         gained = model.energy - energy_after
-        if gained >= ARMIJO * length * slope - ROUNDING * abs(model.energy):
+        if gained >= ARMIJO * length * slope - model.rounding:
             if direction.push is not None:
                 after, energy_after = _pushed(energy, chart, direction, length, energy_after, tally)
             return after, length, model.energy - energy_after
@@ -188,17 +190,20 @@ def _pushed(
         shift, turned = chart.size(mode)
         unit = 1.0 / max(shift / max(energy.grid.step), turned, 1e-300)
         for sign in (1.0, -1.0):
-            reach, found = FIRST_PUSH, False
-            while reach <= LARGEST_TURN:
+            reach, further = FIRST_PUSH, best
+            while LEAST_PUSH <= reach <= LARGEST_TURN:
                 trial = best + sign * reach * unit * mode
                 after = chart.moved(trial)
                 tally.evaluations += 1
                 lower = energy.at(after) if is_finite(after) else np.inf
-                if lower >= reached:
+                if lower < reached:
+                    further, reached = trial, lower
+                    reach *= 2.0
+                elif further is best:
+                    reach *= 0.1
+                else:
                     break
-                further, reached, found = trial, lower, True
-                reach *= 2.0
-            if found:
+            if further is not best:
                 best = further
                 break
     return chart.moved(best), reached
@@ -214,7 +219,7 @@ def _shortened(length: float, slope: float, gained: float) -> float:
 def _last_step(energy: Energy, chart: Chart, model: Model, direction: _Direction) -> State:
     """The state after the step that belongs to a converged decrement, unless rounding spoils it."""
     after = chart.moved(direction.z)
-    worse = energy.at(after) > model.energy + ROUNDING * abs(model.energy)
+    worse = energy.at(after) > model.energy + model.rounding
     return chart.state if worse or not is_finite(after) else after
 
 
@@ -239,7 +244,7 @@ def _record(
     stage: str,
 ) -> None:
     gradient = float(np.abs(model.gradient).max(initial=0.0))
-    relative = direction.decrement / model.energy if model.energy else 0.0
+    relative = direction.decrement / model.size if model.size else 0.0
     tally.history.append(Step(number, model.energy, gradient, relative, length, direction.hessian.words))
     observe(Progress(stage, number, model.energy, gradient))
 

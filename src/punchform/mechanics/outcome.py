@@ -44,6 +44,7 @@ class Solution:
     state: State
     outcome: Outcome
     history: tuple[Step, ...]
+    steps: int = 0
     factorisations: int = 0
     evaluations: int = 0
     negative_eigenvalues: int | None = None

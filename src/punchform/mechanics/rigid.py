@@ -31,8 +31,9 @@ def free_motions(grid: Grid, kinematics: Kinematics, chart: Chart) -> tuple[int,
     )
     followed = np.einsum("ncs,gnc->gns", shifts, generators) * (unknowns != UNUSED)
     missed = generators - np.einsum("ncs,gns->gnc", shifts, followed)
-    values, vectors = np.linalg.eigh(np.einsum("gnc,hnc->gh", missed, missed) / grid.nodes)
-    free = vectors[:, values < REPRESENTED**2]
+    # Singular values, not eigenvalues of the squares: what counts lies at the square root of rounding there.
+    combinations, sizes, _ = np.linalg.svd(missed.reshape(len(missed), -1), full_matrices=False)
+    free = combinations[:, sizes < REPRESENTED * np.sqrt(grid.nodes)]
     if not free.size:
         return ()
     motions = np.einsum("gm,gns->mns", free, followed).reshape(free.shape[1], -1)
