@@ -80,11 +80,11 @@ def minimise(
     begun = perf_counter()
     solver = solver_for(energy.pattern, linear)
     tally = _Tally()
-    state, exact, outcome, negative = start, False, Outcome.STEP_LIMIT, None
+    state, exact, near, outcome, negative = start, False, False, Outcome.STEP_LIMIT, None
     for number in range(max_steps):
         chart = energy.kinematics.chart(state)
         try:
-            model, direction = _direction(energy, chart, solver, exact, tally)
+            model, direction = _direction(energy, chart, solver, exact, near, tally)
         except SingularMatrix:
             outcome = Outcome.SINGULAR
             break
@@ -120,14 +120,19 @@ def minimise(
     )
 
 
-def _direction(energy: Energy, chart: Chart, solver: Solver, exact: bool, tally: _Tally) -> tuple[Model, _Direction]:
-    """The Newton direction: of the exact Hessian if it is asked for and not too indefinite, else of Gauss-Newton."""
+def _direction(
+    energy: Energy, chart: Chart, solver: Solver, exact: bool, near: bool, tally: _Tally
+) -> tuple[Model, _Direction]:
+    """The Newton direction: of the exact Hessian if it is asked for, of its convex part where it is indefinite.
+
+    Near the answer a few modes of negative curvature are turned round instead: there they are worth their solves.
+    """
     kind = Hessian.EXACT if exact else Hessian.GAUSS_NEWTON
     model = energy.model(chart, kind)
     factor = _factor(solver, model, tally)
     negative = factor.negative if exact else None
     modes = None
-    if negative and negative <= MOST_MODES:
+    if near and negative and negative <= MOST_MODES:
         begun = perf_counter()
         modes = negative_modes(factor, negative)
         tally.solve += perf_counter() - begun
