@@ -97,7 +97,7 @@ def press(
     contradict each other and NoEquilibrium when the solve ends without an equilibrium.
     """
     solver = solver or SolverCase()
-    first = begin(grid, surface, case) if start is None else start
+    first, doubts = begin(grid, surface, case) if start is None else (start, ())
     if crossing == "welded":
         first = squared(first)
     energy = energy_of(grid, elements, surface, case, crossing=crossing, start=first)
@@ -112,7 +112,8 @@ def press(
         raise NoEquilibrium(solution.outcome.value)
     if energy.kinematics.pins:
         solution = replace(solution, state=unturned(grid, solution.state))
-    return _formed(energy, solution, elements, surface, case, yield_strength)
+    formed = _formed(energy, solution, elements, surface, case, yield_strength)
+    return replace(formed, notes=formed.notes + doubts)
 
 
 def energy_of(

@@ -6,6 +6,7 @@ import numpy as np
 
 from punchform.case import PressCase
 from punchform.grid import Grid
+from punchform.net import touching
 from punchform.punch import Surface
 from punchform.whole import Whole
 from punchform.wire import Element
@@ -23,6 +24,7 @@ def remarks(
     found = (
         _steep(whole, grid.step),
         _overpulled(whole, elements),
+        _locked(grid, whole, elements),
         _clamped(case),
         _drawn_through(grid, whole, surface),
         _off_centre(whole, surface, grid.step),
@@ -60,6 +62,21 @@ def largest_pull(element: Element) -> float:
     sideways = C[1, 1] - C[1, 5] ** 2 / C[5, 5]
     upwards = C[2, 2] - C[2, 4] ** 2 / C[4, 4]
     return float(s * min(sideways, upwards))
+
+
+def _locked(grid: Grid, whole: Whole, elements: tuple[Element, Element]) -> str:
+    """Cells sheared until neighbouring wires would touch: nothing in the energy keeps them apart."""
+    section = elements[0].section
+    if section is None or section.diameter >= min(grid.step):
+        return ""
+    limit = touching(section.diameter, grid.step)
+    locked = int((np.abs(whole.cell_shear) > limit).sum())
+    if not locked:
+        return ""
+    return (
+        f"{locked} cells shear by more than the {np.rad2deg(limit):.3g} degrees at which neighbouring wires touch, "
+        "which nothing here prevents: a real mesh wrinkles there; make the punch shallower or cut the blank at its corners"
+    )
 
 
 def _clamped(case: PressCase) -> str:

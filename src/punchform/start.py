@@ -17,14 +17,17 @@ VERTICAL = 1e-6
 """How far from upright a wall must be [rad] for a flat wire to show its own way down it."""
 
 
-def begin(grid: Grid, surface: Surface, case: PressCase) -> State:
-    """The start that a case asks for; the flat one where the net does not reach every node, or the rim is clamped."""
+def begin(grid: Grid, surface: Surface, case: PressCase) -> tuple[State, tuple[str, ...]]:
+    """The start that a case asks for, and notes on it.
+
+    The flat one where the rim is clamped, and where the net does not reach every node, which the notes then explain.
+    """
     if case.start == "flat" or case.rim == "clamp":
-        return flat_start(grid, surface)
+        return flat_start(grid, surface), ()
     net = start_state(grid, surface)
     if not net.net.complete:
-        return flat_start(grid, surface)
-    return State(net.positions, net.normals, net.tangents)
+        return flat_start(grid, surface), (*net.net.notes, "the press therefore started from the flat grid")
+    return State(net.positions, net.normals, net.tangents), ()
 
 
 def flat_start(grid: Grid, surface: Surface) -> State:
