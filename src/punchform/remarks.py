@@ -75,7 +75,8 @@ def _locked(grid: Grid, whole: Whole, elements: tuple[Element, Element]) -> str:
         return ""
     return (
         f"{locked} cells shear by more than the {np.rad2deg(limit):.3g} degrees at which neighbouring wires touch, "
-        "which nothing here prevents: a real mesh wrinkles there; make the punch shallower or cut the blank at its corners"
+        "which nothing here prevents: a real mesh wrinkles there; make the punch shallower or cut the blank at its "
+        "corners"
     )
 
 
