@@ -94,7 +94,7 @@ def test_what_may_be_left_out() -> None:
     assert case.wire.height == 0.75
     assert case.punch.fillet == 30.0
     assert case.press == PressCase()
-    assert case.solver == SolverCase(linear="auto", max_steps=60, tolerance=1e-12)
+    assert case.solver == SolverCase(linear="auto", max_steps=200, tolerance=1e-12)
     assert case.release is None
     assert case.target is None
 

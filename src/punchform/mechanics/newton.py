@@ -31,7 +31,7 @@ LARGEST_TURN = 0.5
 FIRST_PUSH, LEAST_PUSH = 1e-3, 1e-6
 """First and least push along a mode of negative curvature: rotation [rad], or shift in grid steps."""
 MOST_MODES = 8
-"""With more negative eigenvalues than this the exact Hessian is left for the Gauss-Newton part."""
+"""With more negative eigenvalues than this the exact Hessian is left for its convex part."""
 GRID_STEPS = 4.0
 """Cap of a step's shifts, in grid steps."""
 GOOD_MODEL = 0.05
