@@ -77,14 +77,7 @@ def models(
             G[row_b, c] += weight[m] * g[6 + c]
 
         mode_rates(d, t, j, n, n_b, t_b, sigma[m], e, J)
-        for k in range(6):
-            for q in range(slots):
-                at_o = at_b = 0.0
-                for c in range(6):
-                    at_o += J[k, c] * R[row_o, c, q]
-                    at_b += J[k, 6 + c] * R[row_b, c, q]
-                JR[k, q] = at_o
-                JR[k, slots + q] = at_b
+        carry(J, R[row_o], R[row_b], JR)
         for k in range(6):
             for q in range(2 * slots):
                 total = 0.0
@@ -93,14 +86,7 @@ def models(
                 CJR[k, q] = total
         if exact:
             second_order(t, j, n, n_b, t_b, pulls, K)
-            for r in range(12):
-                for q in range(slots):
-                    at_o = at_b = 0.0
-                    for c in range(6):
-                        at_o += K[r, c] * R[row_o, c, q]
-                        at_b += K[r, 6 + c] * R[row_b, c, q]
-                    KR[r, q] = at_o
-                    KR[r, slots + q] = at_b
+            carry(K, R[row_o], R[row_b], KR)
 
         for p in range(2 * slots):
             for q in range(p, 2 * slots):
@@ -117,6 +103,20 @@ def models(
         if kind == PROJECTED:
             make_semidefinite(H)
         add(H, places[m], values)
+
+
+@njit(cache=True, nogil=True)
+def carry(rows, R_o, R_b, carried):
+    """Write rows (k, 12) over the variables of an element as rows (k, 2 S) over its unknowns, by R of both ends."""
+    slots = R_o.shape[1]
+    for k in range(len(rows)):
+        for q in range(slots):
+            at_o = at_b = 0.0
+            for c in range(6):
+                at_o += rows[k, c] * R_o[c, q]
+                at_b += rows[k, 6 + c] * R_b[c, q]
+            carried[k, q] = at_o
+            carried[k, slots + q] = at_b
 
 
 @njit(cache=True, nogil=True)
