@@ -79,6 +79,7 @@ class FakeFormed:
     history: tuple[FakeStep, ...]
     max_shear: float
     max_axial_strain: float
+    push: float
     draw_in: float
     outcome: FakeOutcome = FakeOutcome.CONVERGED
     steps: int = 6
@@ -129,7 +130,8 @@ def fake_run(
         energy_kinds={kind: share * energy for kind, share in kinds.items()},
         history=_history(energy),
         max_shear=float(np.abs(whole.cell_shear).max()),
-        max_axial_strain=float(whole.axial_strain[np.argmax(np.abs(whole.axial_strain))]),
+        max_axial_strain=float(whole.axial_strain.max()),
+        push=123.0,
         draw_in=float((np.hypot(*whole.flat.T[:2]) - np.hypot(*whole.positions.T[:2])).max()),
     )
     case = check_case() if case is None else case

@@ -160,7 +160,13 @@ TABLE: list[tuple[str, str, str, str]] = [
         "18: press.descent.max_steps: expected a whole number, not 1.5",
         "",
     ),
-    (DIAMETER, "stiffness = [[1, 2]]\n" + DIAMETER, "9: wire.stiffness: expected 6 rows of 6 numbers", ""),
+    (MODULUS, "stiffness = [[1, 2]]", "10: wire.stiffness: expected 6 rows of 6 numbers", ""),
+    (
+        DIAMETER,
+        'stiffness = "paper"\n' + DIAMETER,
+        "11: wire.youngs_modulus: has no effect beside a given stiffness",
+        "leave out `youngs_modulus` or `stiffness`",
+    ),
     # contradictions
     (
         MODULUS,

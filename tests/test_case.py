@@ -47,6 +47,7 @@ from punchform.case import (
     write_case,
 )
 from punchform.case.places import key_lines
+from punchform.case.wire import MATERIAL
 from punchform.errors import InputError
 
 SHORT = """
@@ -144,8 +145,10 @@ def with_choice(number: int) -> str:
     first = max(row for row in range(number) if re.match(r"(# )?\[", lines[row]))
     later = (row for row in range(number, len(lines)) if re.match(r"(# )?\[", lines[row]))
     commented = lines[first].startswith("# ")
+    # A stiffness stands in the place of the whole wire.
+    replaced = (key, "diameter", *MATERIAL) if key == "stiffness" else (key,)
     for row in range(first, next(later, len(lines))):
-        if lines[row].startswith(f"{key} = "):
+        if lines[row].split(" = ")[0] in replaced:
             lines[row] = ""
         if row == number or (commented and re.match(r"# (\[|\w+ = )", lines[row])):
             lines[row] = lines[row].removeprefix("# ")
@@ -291,7 +294,7 @@ presses = st.builds(
     kinematics=st.just("free"),
     offset=st.sampled_from(["centred", "lower"]),
     method=st.sampled_from(["newton", "descent"]),
-    pull=st.none() | st.tuples(lengths, lengths),
+    pull=st.none() | st.tuples(st.floats(0, 100), st.floats(0, 100)),
     descent=st.builds(DescentCase, rule=st.sampled_from(["exact", "fixed"]), step_length=positive),
 )
 cases = st.builds(

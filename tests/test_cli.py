@@ -296,3 +296,22 @@ def test_form_without_equilibrium_ends_with_3_and_writes_nothing(
     assert printed.out == ""
     assert "error: the step limit was reached" in printed.err
     assert not Path("out").exists()
+
+
+def test_a_descent_that_gets_nowhere_ends_with_3_and_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    descent = '[press]\nmethod = "descent"\ndescent = { rule = "fixed", step_length = "1 mm/N" }\n'
+    Path("dish.toml").write_text(COARSE + descent, encoding="utf-8")
+    assert main(["form", "dish.toml", "-o", "out"]) == Exit.NO_EQUILIBRIUM
+    assert "error: no step lowered the energy" in capsys.readouterr().err
+    # The reference method is there to be looked at: its folder is written all the same.
+    assert json.loads(Path("out/result.json").read_text(encoding="utf-8"))["formed"]["outcome"] == "no_descent"
+
+
+def test_the_longer_of_two_steps_meets_the_bends(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    case = tmp_path / "dish.toml"
+    case.write_text(COARSE.replace("step = 25", "step = [70, 5]"), encoding="utf-8")
+    assert main(["check", str(case)]) == Exit.UNUSABLE_INPUT
+    assert "sharper than the grid step of 70 mm" in capsys.readouterr().err

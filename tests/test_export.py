@@ -107,7 +107,7 @@ def test_result_json_follows_the_contract() -> None:
     assert formed["outcome"] == "step_limit"
     assert formed["advice"] == FakeOutcome.STEP_LIMIT.value
     assert formed["max_shear_deg"] == pytest.approx(np.degrees(run.formed.max_shear))
-    assert formed["contact"]["sum_N"] == pytest.approx(run.formed.whole.contact.sum())
+    assert formed["contact"]["push_N"] == run.formed.push
     assert [step["energy_mJ"] for step in formed["history"]] == [step.energy for step in run.formed.history]
     assert content["notes"] == ["a note", *run.formed.notes]
 

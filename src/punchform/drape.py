@@ -163,7 +163,7 @@ def _whole_grid(case: Case) -> Case:
 def _limit(case: Case, shear_limit: float | None) -> float:
     if shear_limit is not None:
         return shear_limit
-    return 0.5 * math.pi if case.wire.diameter is None else touching(case.wire.diameter, case.grid.step)
+    return touching(case.wire.diameter, case.grid.step)
 
 
 def _whole(grid: Grid, start: NetStart) -> Whole:
@@ -177,6 +177,7 @@ def _whole(grid: Grid, start: NetStart) -> Whole:
         energy=modes[:, 0],
         contact=np.full(grid.nodes, np.nan),
         stress=modes[:, 0],
+        axial_compliance=np.full(2, np.nan),
         yield_strength=None,
     )
 

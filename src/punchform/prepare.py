@@ -35,17 +35,18 @@ def prepare(case: Case) -> Prepared:
     punch = _tried(lambda: surface(case.punch), problems)
     doubts: tuple[Problem, ...] = ()
     if punch is not None:
-        errors, doubts = check_sharpness(punch, min(case.grid.step))
+        errors, doubts = check_sharpness(punch, max(case.grid.step))
         problems += errors
     if case.target is not None:
         problems += _tried(lambda: _target_problems(case), problems) or ()
-    planes = elements is None or mirror_symmetric(elements)
+    wire_mirrors = elements is None or mirror_symmetric(elements)
+    punch_mirrors = punch is None or punch.mirror_planes
     grid = _tried(
         lambda: lay(
             case.grid,
             rim_radius=case.punch.rim_radius,
-            mirror_planes=planes,
-            reason="the wire is crimped out of its plane",
+            mirror_planes=wire_mirrors and punch_mirrors,
+            reason="the punch has none" if wire_mirrors else "the wire is crimped out of its plane",
         ),
         problems,
     )
@@ -58,7 +59,7 @@ def _target_problems(case: Case) -> tuple[Problem, ...]:
     """What is wrong with the wanted shape inside its aperture: the wires of the grid could not follow it."""
     assert case.target is not None
     wanted = bare(case.target.profile, case.target.aperture_radius, where="target.profile")
-    return check_sharpness(wanted, min(case.grid.step), where="target")[0]
+    return check_sharpness(wanted, max(case.grid.step), where="target")[0]
 
 
 def _tried(build: Callable[[], Built], problems: list[Problem]) -> Built | None:

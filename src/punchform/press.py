@@ -14,6 +14,7 @@ from punchform.mechanics.assembly import Bars, Energy, Hessian, Loads
 from punchform.mechanics.compiled import compile_kernels, kernels_are_compiled
 from punchform.mechanics.descent import descend
 from punchform.mechanics.differences import Differences
+from punchform.mechanics.footing import normals_of
 from punchform.mechanics.frames import State, squared
 from punchform.mechanics.kinematics import FreeFrames
 from punchform.mechanics.newton import minimise
@@ -22,10 +23,10 @@ from punchform.mechanics.rigid import free_motions, unturned
 from punchform.progress import Observer, Progress, silent
 from punchform.pull import Pull
 from punchform.punch import Surface
-from punchform.remarks import remarks
+from punchform.remarks import largest_pull, remarks, slide
 from punchform.start import begin
 from punchform.whole import Whole, unfold
-from punchform.wire import Element, stress
+from punchform.wire import Element, axial_compliance, stress
 
 FOLLOWED = 1e-9
 """The pull has found its direction when no wire end turns by more than this [rad] between two passes."""
@@ -38,7 +39,7 @@ class Formed:
 
     energy_kinds: stretch ½ D1 F1, bend ½ (D3 F3 + D5 F5), in_plane ½ (D2 F2 + D6 F6), twist ½ D4 F4, and what the
     crossing springs hold. draw_in: largest inward move of a wire end [mm]; max_shear [rad]; max_axial_strain:
-    largest D1 over the step. grid and state are of the solved part, `whole` is the whole grid.
+    largest strain of a wire by its pull, Eq. (3.9). grid and state are of the solved part, `whole` is the whole grid.
     """
 
     grid: Grid
@@ -68,15 +69,22 @@ class Formed:
 
     @property
     def max_axial_strain(self) -> float:
-        """Largest elongation of a wire between two crossings over the step [-]."""
+        """Largest strain of a wire between two crossings by its pull, Eq. (3.9) [-]."""
         return float(self.whole.axial_strain.max())
 
     @property
     def draw_in(self) -> float:
-        """How far the wire ends moved towards the axis at most [mm]."""
+        """How far the wire ends moved towards the centre of the grid at most [mm], a slide of the whole apart."""
         ends = self.grid.wire_ends.any(axis=(1, 2))
         flat = np.linalg.norm(self.grid.flat[ends], axis=1)
-        return float((flat - np.linalg.norm(self.state.positions[ends, :2], axis=1)).max(initial=0.0))
+        formed = np.linalg.norm(self.state.positions[ends, :2] - slide(self.whole, self.surface), axis=1)
+        return float((flat - formed).max(initial=0.0))
+
+    @property
+    def push(self) -> float:
+        """Vertical force of the punch on the grid where it pushes [N]; as much holds the grid down elsewhere."""
+        upwards = normals_of(self.surface.gap(self.whole.positions))[:, 2]
+        return float(np.sum(np.maximum(self.whole.contact, 0.0) * upwards))
 
 
 def press(
@@ -104,6 +112,8 @@ def press(
     if not kernels_are_compiled():
         observe(Progress("press", message="compiling the kernels; only the first run does this"))
         compile_kernels(energy, first)
+    if case.pull is not None and case.kinematics == "free":
+        _demand_moderate(case.pull, elements)
     if case.pull is None:
         solution = _solve(energy, first, case, solver, observe)
     else:
@@ -204,12 +214,24 @@ def _solve_pulled(
     )
 
 
+def _demand_moderate(pull: tuple[float, float], elements: tuple[Element, Element]) -> None:
+    """Refuse a pull that the element cannot bear, Eq. (3.8)."""
+    for force, element in zip(pull, elements, strict=True):
+        if force > largest_pull(element):
+            raise InputError.of(
+                f"a pull of {force:.4g} N is beyond the {largest_pull(element):.3g} N that the element of this wire "
+                "and step can describe",
+                where="press.pull",
+                hint="pull less, or take a smaller step: the limit grows with its inverse square",
+            )
+
+
 def _joined(passes: list[Solution]) -> Solution:
-    """All passes as one solution that ends like the last."""
-    history = [step for one in passes for step in one.history]
+    """All passes as one solution that ends like the last; its history is that of the first."""
+    # Every pass has a potential of its own, so only one belongs into a curve: the first, in which most happens.
     return replace(
         passes[-1],
-        history=tuple(replace(step, number=number) for number, step in enumerate(history)),
+        history=passes[0].history,
         steps=sum(one.steps for one in passes),
         factorisations=sum(one.factorisations for one in passes),
         evaluations=sum(one.evaluations for one in passes),
@@ -240,6 +262,7 @@ def _formed(
         energy=energies,
         contact=contact,
         stress=largest,
+        axial_compliance=np.array([axial_compliance(element) for element in elements]),
         yield_strength=yield_strength,
     )
     kinds = _kinds(whole) | {"crossing": grid.copies * energy.springs(state)}

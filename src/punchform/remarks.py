@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from punchform.arrays import Floats
 from punchform.case import PressCase
 from punchform.grid import Grid
 from punchform.net import touching
@@ -23,8 +24,9 @@ def remarks(
     """Notes on a formed grid, most important first; none when all is well."""
     found = (
         _steep(whole, grid.step),
-        _overpulled(whole, elements),
+        _overpulled(whole, elements) if case.kinematics == "free" else "",
         _locked(grid, whole, elements),
+        _yielding(whole),
         _clamped(case),
         _drawn_through(grid, whole, surface),
         _off_centre(whole, surface, grid.step),
@@ -80,6 +82,16 @@ def _locked(grid: Grid, whole: Whole, elements: tuple[Element, Element]) -> str:
     )
 
 
+def _yielding(whole: Whole) -> str:
+    over = whole.stress_ratio > 1
+    if not over.any():
+        return ""
+    return (
+        f"{over.sum()} wire pieces are stressed beyond the yield strength, up to {np.nanmax(whole.stress_ratio):.3g} "
+        "times: real wires stay bent there, and their forces are smaller than those of these elastic ones"
+    )
+
+
 def _clamped(case: PressCase) -> str:
     if case.rim != "clamp":
         return ""
@@ -103,11 +115,16 @@ def _drawn_through(grid: Grid, whole: Whole, surface: Surface) -> str:
 
 
 def _off_centre(whole: Whole, surface: Surface, step: tuple[float, float]) -> str:
-    within = np.linalg.norm(whole.flat, axis=1) <= surface.rim_radius
-    slid = float(np.linalg.norm((whole.positions - whole.flat)[within, :2].mean(axis=0)))
+    slid = float(np.linalg.norm(slide(whole, surface)))
     if slid <= CENTRED * min(step):
         return ""
     return (
         f"without friction the grid slid {slid:.3g} mm off the axis to where its energy is least; a press that keeps "
         "it centred needs a little more"
     )
+
+
+def slide(whole: Whole, surface: Surface) -> Floats:
+    """Mean move in plan of the crossings that lay within the rim, (2,) [mm]: zero by symmetry for a quarter."""
+    within = np.linalg.norm(whole.flat, axis=1) <= surface.rim_radius
+    return np.asarray((whole.positions - whole.flat)[within, :2].mean(axis=0))

@@ -15,12 +15,13 @@ from punchform.mechanics.frames import State
 class Whole:
     """Arrays over all N nodes (sorted by i, then j), M elements and K cells of the grid.
 
-    index (N, 2): (i, j); flat, positions (N, 3) [mm]; normals (N, 3); tangents (N, 2, 3), along +x and +y;
+    index (N, 2): (i, j); flat, positions (N, 3) [mm]; normals (N, 3) and tangents (N, 2, 3), along +x
+    and +y, of the node frames, whose normals lean a little against those of the surface;
     contact (N,): normal force of the tool [N], positive where the punch pushes the grid away.
     family (M,): 1 along x, 2 along y; start, end (M,): node numbers of O and B; sigma (M,): weave sign;
     D, F (M, 6): modes and end forces in element axes, Eq. (3.2), P(3) [mm, rad; N, N mm]; energy (M,) [mJ];
-    axial_strain (M,): D1 over the step; stress (M,): largest von Mises stress [MPa], NaN when the section is not
-    known; stress_ratio (M,): stress over yield strength, NaN when that is not given.
+    axial_strain (M,): of the pull F1 alone, Eq. (3.9); stress (M,): largest von Mises stress [MPa], NaN when the
+    section is not known; stress_ratio (M,): stress over yield strength, NaN when that is not given.
     cells (K, 4): corners counter-clockwise; cell_shear (K,): how far the mid-lines are from square [rad], positive
     where the angle between +x and +y wires has become smaller.
     """
@@ -54,9 +55,11 @@ def unfold(
     energy: Floats,
     contact: Floats,
     stress: Floats,
+    axial_compliance: Floats,
     yield_strength: float | None,
 ) -> Whole:
-    """The whole grid from its solved part. D, F (M, 6), energy, stress (M,) and contact (N,) are of that part.
+    """The whole grid from its solved part. D, F (M, 6), energy, stress (M,) and contact (N,) are of that part;
+    axial_compliance (2,): strain per pull of each family, Eq. (3.9) [1/N].
 
     A mirrored wire turns the other way: D2, D4, D6 (sideways, twist, sideways bending) change sign with every mirror.
     """
@@ -83,7 +86,7 @@ def unfold(
         D=D[element] * turned,
         F=F[element] * turned,
         energy=energy[element],
-        axial_strain=D[element, 0] / np.asarray(grid.step)[grid.family[element]],
+        axial_strain=F[element, 0] * axial_compliance[grid.family[element]],
         stress=stress[element],
         stress_ratio=stress[element] / (np.nan if yield_strength is None else yield_strength),
         cells=cells,

@@ -20,7 +20,7 @@ from punchform.case.memory import (
 )
 from punchform.case.press import PressCase, SolverCase
 from punchform.case.punch import PunchCase
-from punchform.case.wire import StraightLine, WireCase, rise
+from punchform.case.wire import PAPER_DIAMETER, StraightLine, WireCase, rise
 
 
 @dataclass(frozen=True)
@@ -81,6 +81,12 @@ def _polygon_has_area(grid: GridCase) -> Iterator[Finding]:
 
 
 def _wire_is_described_once(wire: WireCase) -> Iterator[Finding]:
+    if wire.stiffness == "paper" and wire.diameter != PAPER_DIAMETER:
+        yield Finding(
+            ("wire", "diameter"),
+            f"the paper's Table 1 is of a wire of {PAPER_DIAMETER:g} mm, not {wire.diameter:g} mm",
+            "leave out `diameter`, or give the wire itself instead of `stiffness`",
+        )
     if wire.stiffness is not None and wire.centreline is not None:
         yield Finding(
             ("wire", "centreline"),
@@ -96,6 +102,8 @@ def _wire_is_described_once(wire: WireCase) -> Iterator[Finding]:
 
 
 def _wire_fits_step(grid: GridCase, wire: WireCase) -> Iterator[Finding]:
+    if wire.stiffness == "paper" and grid.weave == "stacked":
+        yield Finding(("grid", "weave"), "the paper's Table 1 is of a crimped wire; a stacked grid is of straight ones")
     step = min(grid.step)
     if wire.diameter >= step:
         yield Finding(
@@ -147,6 +155,8 @@ def _press_is_consistent(press: PressCase) -> Iterator[Finding]:
             'a clamped rim lets no wire end move, so a pull contradicts rim = "clamp"',
             'leave out `pull` or choose rim = "draw"',
         )
+    if press.pull is not None and min(press.pull) < 0:
+        yield Finding(("press", "pull"), "a pull cannot be negative: wires that are pushed buckle")
     if press.method == "descent" and press.descent.rule != "exact" and press.descent.step_length is None:
         yield Finding(
             ("press", "descent", "step_length"),

@@ -83,6 +83,10 @@ Stiffness = Annotated[
 ]
 
 
+MATERIAL = ("youngs_modulus", "poisson", "shear_factor", "yield_strength")
+"""What a stiffness is computed from; beside one that is given it says nothing."""
+
+
 def _own_centreline(known: dict[str, Any]) -> CosineLine | None:
     return CosineLine(height=known["diameter"]) if known["stiffness"] is None else None
 
@@ -146,9 +150,14 @@ class WireCase(Part):
     def _demand_and_complete(cls, values: Any) -> Any:
         if not isinstance(values, dict):
             return values
-        # None is refused by both fields: a wire is never given a size or a material silently.
+        # None is refused by both fields: a wire is never given a size or a modulus silently.
         needed = {"diameter": None} if values.get("stiffness") != "paper" else {}
         needed |= {"youngs_modulus": None} if values.get("stiffness") is None else {}
+        for key in MATERIAL if values.get("stiffness") is not None else ():
+            if key in values:
+                raise MisfitError(
+                    "has no effect beside a given stiffness", key=(key,), hint=f"leave out `{key}` or `stiffness`"
+                )
         line = values.get("centreline")
         if isinstance(line, dict) and line.get("kind") == "cosine":
             values = {**values, "centreline": {"height": _length_or_nil(values.get("diameter")), **line}}

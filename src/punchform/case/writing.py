@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from punchform.case.whole import SECTIONS, Case
+from punchform.case.wire import MATERIAL
 
 _WIDTH = 100
 
@@ -20,6 +21,8 @@ def write_case(case: Case) -> str:
     parts = [f"schema = {content['schema']}\ntitle = {_value(content['title'])}"]
     for name in SECTIONS:
         if name in content:
+            if name == "wire" and "stiffness" in content[name]:
+                content[name] = {key: value for key, value in content[name].items() if key not in MATERIAL}
             lines = [f"[{name}]"] + [f"{key} = {_entry(value)}" for key, value in content[name].items()]
             parts.append("\n".join(lines))
     return "\n\n".join(parts) + "\n"

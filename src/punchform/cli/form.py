@@ -9,7 +9,8 @@ from punchform.case import parse, read_text
 from punchform.cli.exits import Exit
 from punchform.cli.talk import Talk, say
 from punchform.errors import InputError
-from punchform.export.result import all_notes
+from punchform.export.result import all_notes, largest
+from punchform.press import Formed
 from punchform.report.page import write_report
 from punchform.run import Run, run
 from punchform.store import RESULT, check_folder, write_run
@@ -34,6 +35,9 @@ def form(path: str, output: str, *, overwrite: bool, quiet: bool, as_json: bool)
         for note in all_notes(done):
             say(f"note: {note}")
     print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else summary(done, folder))
+    if not done.formed.outcome.usable:
+        say(f"error: {done.formed.outcome.value}")
+        return Exit.NO_EQUILIBRIUM
     return Exit.DONE
 
 
@@ -45,12 +49,24 @@ def summary(done: Run, folder: Path) -> str:
         f"{formed.solved_nodes} crossings solved",
         "outcome": formed.outcome.value,
         "energy": f"{formed.energy:.7g} mJ",
-        "effort": f"{formed.steps} steps, {formed.factorisations} factorisations ({formed.linear_solver}), "
-        f"{formed.seconds['total']:.2f} s",
+        "effort": _effort(formed),
         "largest shear": f"{math.degrees(formed.max_shear):.3g} deg",
-        "largest strain": f"{100 * formed.max_axial_strain:.3g} % along the wire",
+        "largest strain": f"{100 * formed.max_axial_strain:.3g} % by the pull along a wire",
+        "largest stress": _stress(formed),
         "draw-in": f"{formed.draw_in:.3g} mm",
         "report": str(folder / "report.html"),
     }
     width = max(map(len, facts))
     return "\n".join([done.case.title, *(f"  {name:<{width}}  {fact}" for name, fact in facts.items())])
+
+
+def _effort(formed: Formed) -> str:
+    factored = f", {formed.factorisations} factorisations ({formed.linear_solver})" if formed.factorisations else ""
+    return f"{formed.steps} steps{factored}, {formed.seconds['total']:.2f} s"
+
+
+def _stress(formed: Formed) -> str:
+    stress, ratio = largest(formed.whole.stress), largest(formed.whole.stress_ratio)
+    if stress is None:
+        return "not known: the stiffness was given"
+    return f"{stress:.4g} MPa" + ("" if ratio is None else f", {ratio:.3g} of the yield strength")

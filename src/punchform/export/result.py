@@ -69,7 +69,7 @@ def _formed(formed: Formed) -> dict[str, object]:
         "draw_in_mm": formed.draw_in,
         "seconds": formed.seconds,
         "energy_kinds_mJ": formed.energy_kinds,
-        "contact": {"min_N": contact.min(), "max_N": contact.max(), "sum_N": contact.sum()},
+        "contact": {"min_N": contact.min(), "max_N": contact.max(), "push_N": formed.push},
         "linear_solver": formed.linear_solver,
         "max_stress_MPa": largest(formed.whole.stress),
         "max_stress_ratio": largest(formed.whole.stress_ratio),

@@ -28,8 +28,8 @@ _TYPES = {"float64": "Float64", "int64": "Int64"}
 def write_vtp(path: Path, formed: Formed, released: Floats | None = None) -> None:
     """Write the formed grid, and with `released` (N, 3) [mm] also where its nodes are after the release.
 
-    Point data: i, j, flat, displacement (formed - flat), normal, contact_force [N], shear [rad] (mean of the
-    cells around the node, NaN without a cell), and released, springback (released - formed) when given;
+    Point data: i, j, flat, displacement (formed - flat), normal (of the node frame), contact_force [N], shear [rad]
+    (mean of the cells around the node, NaN without a cell), and released, springback (released - formed) when given;
     lengths in mm. Cell data per element: family, axial_force F1 [N], axial_strain, energy [mJ]. Raises
     OSError.
     """

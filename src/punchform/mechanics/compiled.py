@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from punchform.mechanics import sweeps
 from punchform.mechanics.assembly import Energy, Hessian
 from punchform.mechanics.frames import State
+from punchform.net.compiled import is_cached
 
 
 def kernels_are_compiled() -> bool:
     """Whether an earlier run has left the compiled sweep over the elements on disk."""
-    folder = Path(str(sweeps.models.stats.cache_path))
-    name = Path(sweeps.__file__).stem
-    return any(folder.glob(f"{name}.models-*.nbc"))
+    return is_cached(sweeps.models)
 
 
 def compile_kernels(energy: Energy, state: State) -> None:

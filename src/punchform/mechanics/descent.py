@@ -73,10 +73,11 @@ def descend(
     for step in islice(taken, max_steps):
         state, gradients = step.after, gradients + step.gradients
         if steps < REPORT_EVERY or steps % REPORT_EVERY == 0:
-            largest = float(np.abs(step.gradient).max(initial=0.0))
-            history.append(Step(steps, step.energy, largest, float("nan"), step.length, "none"))
-            observe(Progress(stage, steps, step.energy, largest))
+            history.append(_as_step(steps, step))
+            observe(Progress(stage, steps, step.energy, history[-1].gradient))
         steps += 1
+    if steps and history[-1].number != steps - 1:
+        history.append(_as_step(steps - 1, step))
     if steps < max_steps:
         outcome = Outcome.STATIONARY if _is_still(energy, state) else Outcome.NO_DESCENT
     return Solution(
@@ -87,6 +88,11 @@ def descend(
         evaluations=gradients,
         seconds={"total": perf_counter() - begun},
     )
+
+
+def _as_step(number: int, taken: _Taken) -> Step:
+    largest = float(np.abs(taken.gradient).max(initial=0.0))
+    return Step(number, taken.energy, largest, float("nan"), taken.length, "none")
 
 
 def _exact(energy: Energy, state: State) -> Iterator[_Taken]:

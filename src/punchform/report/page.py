@@ -120,11 +120,11 @@ def _result_rows(run: Run) -> Rows:
         ("Largest shear angle", size(math.degrees(formed.max_shear), "°", 4)),
         ("Largest draw-in of the edge", size(formed.draw_in, "mm")),
         ("Axial force in the wires", span(float(force.min()), float(force.max()), "N")),
-        ("Largest elongation of a wire", percent(formed.max_axial_strain)),
+        ("Largest strain of a wire by its pull", percent(formed.max_axial_strain)),
         ("Largest stress", "not known" if stress is None else size(stress, "MPa")),
         ("Largest stress / yield strength", "not known" if ratio is None else size(ratio, "", 3)),
         ("Contact force on a node", span(float(contact.min()), float(contact.max()), "N")),
-        ("Sum of contact forces", size(float(contact.sum()), "N")),
+        ("Downward force of the punch", size(formed.push, "N")),
     )
 
 
@@ -134,7 +134,7 @@ def _grid_rows(run: Run) -> Rows:
         ("Nodes", f"{len(whole.positions)} ({run.formed.solved_nodes} solved)"),
         ("Wire elements", f"{len(whole.family)}"),
         ("Step", " × ".join(f"{step:g} mm" for step in dict.fromkeys(case.grid.step))),
-        ("Wire diameter", "not given" if case.wire.diameter is None else f"{case.wire.diameter:g} mm"),
+        ("Wire diameter", f"{case.wire.diameter:g} mm"),
         ("Radius of the rim", f"{case.punch.rim_radius:g} mm"),
         ("Depth of the shell", size(float(whole.positions[:, 2].max()), "mm")),
     )

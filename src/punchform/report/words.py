@@ -94,7 +94,7 @@ def _wires(formed: Formed) -> str:
     parts = [f"pulled by up to {size(pull, 'N', 3)}"] if pull > 0 else []
     parts += [f"pressed by up to {size(-press, 'N', 3)}"] if press < 0 else []
     forces = " and ".join(parts) or "without axial force"
-    return f"The wires are {forces} (largest elongation {percent(strain)})."
+    return f"The wires are {forces} (largest strain by the pull {percent(strain)})."
 
 
 def _yield(run: Run) -> str:

@@ -1,7 +1,7 @@
 """The wire room: material and centreline → 6×6 stiffness by unit loads, Eq. (2.4)."""
 
 from punchform.wire.centreline import Centreline, cosine_line, line_through, straight_line
-from punchform.wire.element import Element, along, given, mirror_symmetric, stiffness
+from punchform.wire.element import Element, along, axial_compliance, given, mirror_symmetric, stiffness
 from punchform.wire.element_plot import plot_element
 from punchform.wire.element_report import ElementReport, describe
 from punchform.wire.flexibility import deflections, flexibility, inverse, straight_wire
@@ -14,6 +14,7 @@ __all__ = [
     "ElementReport",
     "Section",
     "along",
+    "axial_compliance",
     "cosine_line",
     "deflections",
     "describe",

@@ -96,6 +96,12 @@ def mirror_symmetric(elements: tuple[Element, ...]) -> bool:
     return True
 
 
+def axial_compliance(element: Element) -> float:
+    """Strain per pull F1 along the wire when its ends do not turn, Eq. (3.9) [1/N]: 1/EA of a straight wire."""
+    B = element.B
+    return float((B[0, 0] - B[0, 4] ** 2 / B[4, 4]) / element.length)
+
+
 def along(line: Centreline, section: Section, *, height: float | None = None) -> Element:
     """The element of a wire with a given centreline and section, Eq. (2.4).
 
