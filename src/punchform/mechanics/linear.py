@@ -100,7 +100,8 @@ class RslabSolver:
         n = len(self.pattern.indptr) - 1
         # The upper triangle by rows is the lower triangle by columns.
         lower = csc_array((ones, self.pattern.indices, self.pattern.indptr), shape=(n, n))
-        return rslab.analyze(lower, path="ldlt")
+        # Nested dissection without a race of orderings, and wider supernodes: measured on our matrices.
+        return rslab.analyze(lower, path="ldlt", ordering="metis", nemin=32)
 
     def factor(self, values: Floats) -> Factor:
         """Factor the matrix with these upper CSR values; raises SingularMatrix."""
