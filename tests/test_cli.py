@@ -315,3 +315,10 @@ def test_the_longer_of_two_steps_meets_the_bends(tmp_path: Path, capsys: pytest.
     case.write_text(COARSE.replace("step = 25", "step = [70, 5]"), encoding="utf-8")
     assert main(["check", str(case)]) == Exit.UNUSABLE_INPUT
     assert "sharper than the grid step of 70 mm" in capsys.readouterr().err
+
+
+def test_a_modulus_meant_in_gigapascals_is_doubted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    case = tmp_path / "dish.toml"
+    case.write_text(COARSE.replace('"200 GPa"', "200"), encoding="utf-8")
+    assert main(["check", str(case)]) == Exit.DONE
+    assert "wire.youngs_modulus: Young's modulus is 200 MPa" in capsys.readouterr().err

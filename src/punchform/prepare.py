@@ -13,6 +13,8 @@ from punchform.punch import Revolution, bare, check_sharpness, surface
 from punchform.wire import Element, mirror_symmetric, stiffness
 
 Built = TypeVar("Built")
+SOFTEST = 1000.0
+"""A Young's modulus below this [MPa] is doubted."""
 
 
 @dataclass(frozen=True)
@@ -50,9 +52,18 @@ def prepare(case: Case) -> Prepared:
         ),
         problems,
     )
+    doubts += _soft(case)
     if problems or grid is None or elements is None or punch is None:
         raise InputError(problems)
     return Prepared(grid, elements, punch, doubts)
+
+
+def _soft(case: Case) -> tuple[Problem, ...]:
+    """A modulus that no wire has: most likely a bare number that was meant in GPa."""
+    if case.wire.stiffness is not None or case.wire.youngs_modulus >= SOFTEST:
+        return ()
+    told = f"Young's modulus is {case.wire.youngs_modulus:g} MPa, softer than any wire: a bare number is in MPa"
+    return (Problem(told, "wire.youngs_modulus", "write '210 GPa' for steel"),)
 
 
 def _target_problems(case: Case) -> tuple[Problem, ...]:

@@ -15,7 +15,8 @@ class Outcome(Enum):
     STATIONARY = "stationary; the linear solver could not tell whether it is a minimum: try another solver.linear"
     SADDLE = "stationary, but not a minimum: the grid would buckle; look at the lowest mode"
     STEP_LIMIT = (
-        "the step limit was reached; raise solver.max_steps (for a descent press.descent.max_steps) or start nearer to the answer"
+        "the step limit was reached; raise solver.max_steps (for a descent press.descent.max_steps) "
+        "or start nearer to the answer"
     )
     NO_DESCENT = (
         "no step lowered the energy; a fixed step length may be too long, or the case badly scaled or under-held"
