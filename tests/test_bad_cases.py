@@ -94,6 +94,9 @@ TABLE: list[tuple[str, str, str, str]] = [
         "13: punch.profile.radius: no such setting",
         "focal_length",
     ),
+    ('radius = "345 mm"', 'diameter = "690 mm"', "6: grid.blank.diameter: no such", 'write radius = "345 mm": half'),
+    ('radius = "345 mm"', "diameter = []", "6: grid.blank.diameter: no such setting", 'write radius = "..."'),
+    (DIAMETER, "radius = 0.375", "9: wire.radius: no such setting", 'write diameter = "0.75 mm": twice the radius'),
     # wrong unit
     ("0.75 mm", "0.75 mmm", "9: wire.diameter: expected a length such as '0.75 mm', not '0.75 mmm'", "`mm`?"),
     (
@@ -121,6 +124,8 @@ TABLE: list[tuple[str, str, str, str]] = [
         "6: grid.crossing.stiffness: expected a rotational",
         "",
     ),
+    ("210 GPa", "210000 N/mm2", "10: wire.youngs_modulus: expected a stress", "write `N/mm^2` or `MPa`"),
+    (STEP, STEP + '\ncrossing = { stiffness = "20 N mm1/rad" }', "6: grid.crossing.stiffness:", "`N mm^1/rad`"),
     # limits
     ("0.75 mm", "-0.75 mm", "9: wire.diameter: must be more than 0, not '-0.75 mm'", ""),
     ("345 mm", "0 mm", "6: grid.blank.radius: must be more than 0, not '0 mm'", ""),
@@ -131,6 +136,12 @@ TABLE: list[tuple[str, str, str, str]] = [
         'kind = "cone", half_angle = "95 deg", nose_radius = "30 mm"',
         "13: punch.profile.half_angle: must be less than 90 deg, not '95 deg'",
         "",
+    ),
+    (
+        'kind = "paraboloid", focal_length = "250 mm"',
+        'kind = "cone", half_angle = "30", nose_radius = "30 mm"',
+        "13: punch.profile.half_angle: must be less than 90 deg, not '30'",
+        "a bare number is in rad: write '30 deg'",
     ),
     ("[press]", "[solver]\nmax_steps = 0\n[press]", "18: solver.max_steps: must be at least 1, not 0", ""),
     ("300 mm", "3e12 mm", "14: punch.rim_radius: must be at most 1e+09 mm, not '3e12 mm'", ""),
@@ -160,6 +171,9 @@ TABLE: list[tuple[str, str, str, str]] = [
         "18: press.descent.max_steps: expected a whole number, not 1.5",
         "",
     ),
+    (RIM, 'pull = "2 N"', "18: press.pull: expected a list in square brackets, not '2 N'", 'write ["2 N", "2 N"]'),
+    (BLANK, "blank = { shape = 'rectangle', size = 700 }", "6: grid.blank.size: expected a list", "write [700, 700]"),
+    (PROFILE, "profile = { kind = 'table', points = 7 }", "13: punch.profile.points: expected a list", ""),
     (MODULUS, "stiffness = [[1, 2]]", "10: wire.stiffness: expected 6 rows of 6 numbers", ""),
     (
         DIAMETER,
@@ -307,7 +321,12 @@ TABLE: list[tuple[str, str, str, str]] = [
     # syntax
     ('"7.5 mm"', "7.5 mm", "5: not valid TOML: ", 'stands in quotes: "7.5 mm"'),
     ("[wire]", "[wire", "8: not valid TOML: ", ""),
-    (RIM, RIM + '\nrim = "clamp"', "19: not valid TOML: ", ""),
+    (RIM, RIM + '\nrim = "clamp"', "19: press.rim: stands twice, here and on line 18", "leave out one of them"),
+    (RIM, RIM + "\n[wire]\n", "19: wire: stands twice, here and on line 8", ""),
+    (RIM, RIM + "\n[grid.blank]\n", "19: grid.blank: stands twice, here and on line 6", ""),
+    ('radius = "345 mm"', "radius = 3, radius = 4", "6: grid.blank.radius: stands twice, here and on line 6", ""),
+    (RIM, "pull = [\n1,\n2]\npull = [3,\n4]\n", "21: press.pull: stands twice, here and on line 18", ""),
+    (RIM, "descent.rule = 'fixed'\ndescent = 3", "19: not valid TOML: cannot overwrite a value", ""),
     ('"dish"', '"dish', "2: not valid TOML: ", ""),
 ]
 

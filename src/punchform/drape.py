@@ -10,6 +10,7 @@ import numpy as np
 
 from punchform.arrays import Floats, Ints
 from punchform.case import Case
+from punchform.errors import InputError, Problem
 from punchform.grid import Grid
 from punchform.mechanics.frames import State
 from punchform.net import (
@@ -78,9 +79,14 @@ class Draped:
 
 @dataclass(frozen=True)
 class Drape:
-    """A case and its inextensible net; `net` and `grid` are of the part that was laid, `formed` is the whole."""
+    """A case and its inextensible net; `net` and `grid` are of the part that was laid, `formed` is the whole.
+
+    origin (x, y) [mm]: where the axis of the grid lies on the punch; direction [rad] of the first wires there.
+    """
 
     case: Case
+    origin: tuple[float, float]
+    direction: float
     grid: Grid
     net: Net
     formed: Draped
@@ -91,10 +97,10 @@ class Drape:
 
     @property
     def draw_in(self) -> float:
-        """How far the wire ends move towards the axis at most [mm]."""
+        """How far the wire ends move towards the axis of the grid at most, in plan [mm]."""
         ends = self.grid.wire_ends.any(axis=(1, 2)) & self.net.reached
         flat = np.linalg.norm(self.grid.flat[ends], axis=1)
-        return float((flat - np.linalg.norm(self.net.positions[ends, :2], axis=1)).max(initial=0.0))
+        return float((flat - np.linalg.norm(self.net.positions[ends, :2] - self.origin, axis=1)).max(initial=0.0))
 
 
 def drape(
@@ -109,12 +115,14 @@ def drape(
 
     origin (x, y) [mm] and direction [rad] of the first wire in plan: on the axis and along x when not given.
     shear_limit [rad]: where the net locks; when not given, where neighbouring wires touch.
-    Raises InputError when the case cannot be draped. A net that locks or ends is an answer: see its notes.
+    Raises InputError when the case cannot be draped, for an origin that is not within the rim, and for a limit that
+    is not between 0 and a right angle. A net that locks or ends is an answer: see its notes.
     """
     begun = perf_counter()
-    if not kernels_are_compiled():
-        observe(Progress("drape", message="compiling the kernels; only the first run does this"))
+    _refuse(case.punch.rim_radius, origin, shear_limit)
     straight = origin is None and direction == 0.0
+    if not kernels_are_compiled(geodesics=not straight):
+        observe(Progress("drape", message="compiling the kernels; only the first run does this"))
     ready = prepare(case if straight else _whole_grid(case))
     grid, punch = ready.grid, ready.punch
     laid = perf_counter()
@@ -126,12 +134,14 @@ def drape(
     done = perf_counter()
     return Drape(
         case=case,
+        origin=origin or (0.0, 0.0),
+        direction=direction,
         grid=grid,
         net=net,
         formed=Draped(whole, punch),
         rim=rim,
         wires=_wires(whole, level, case.grid.step),
-        notes=(*(doubt.message for doubt in ready.doubts), *grid.notes, *net.notes, *_rim_notes(rim)),
+        notes=(*(doubt.message for doubt in ready.doubts), *grid.notes, *net.notes, *_rim_notes(rim, origin)),
         seconds={"grid": laid - begun, "net": netted - laid, "pattern": done - netted, "total": done - begun},
     )
 
@@ -153,6 +163,29 @@ def placed(formed: Draped) -> Draped:
         rows = nodes if name in per_node else cells if name.startswith("cell") else pieces
         kept[name] = values if name in ("start", "end") else values[rows]
     return Draped(Whole(**kept), formed.surface)
+
+
+def _refuse(rim_radius: float, origin: tuple[float, float] | None, shear_limit: float | None) -> None:
+    """Raise InputError with all that is wrong with what is given beside the case."""
+    problems = []
+    if origin is not None and not math.hypot(*origin) < rim_radius:
+        problems.append(
+            Problem(
+                f"{math.hypot(*origin):g} mm from the axis, but the rim of the punch is at {rim_radius:g} mm",
+                "origin",
+                "choose a point of the punch within its rim",
+            )
+        )
+    if shear_limit is not None and not 0.0 < shear_limit < 0.5 * math.pi:
+        problems.append(
+            Problem(
+                f"a limit of {math.degrees(shear_limit):.6g} deg: a cell is closed at 90 deg and not sheared at 0 deg",
+                "shear_limit",
+                "choose a limit in between, or leave it out for the one at which neighbouring wires touch",
+            )
+        )
+    if problems:
+        raise InputError(problems)
 
 
 def _whole_grid(case: Case) -> Case:
@@ -188,13 +221,14 @@ def _rim_line(whole: Whole, level: Floats) -> RimLine:
     return RimLine(directions, flat, interpolated(whole.index, whole.flat[:, :2], whole.positions, flat))
 
 
-def _rim_notes(rim: RimLine) -> tuple[str, ...]:
+def _rim_notes(rim: RimLine, origin: tuple[float, float] | None) -> tuple[str, ...]:
     missing = int(np.isnan(rim.radius).sum())
     if not missing:
         return ()
     return (
         f"in {missing} of {len(rim.directions)} directions the blank or the net ends before the rim, so the outline "
-        "that lands on the rim is not known there; make the blank larger",
+        "that lands on the rim is not known there; make the blank larger"
+        + (", or put the origin nearer to the axis" if origin else ""),
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
 
-from punchform.case import Case
+from punchform.case import Case, DescentCase
 from punchform.errors import InputError, Problem
 from punchform.grid import Grid, lay
 from punchform.punch import Revolution, bare, check_sharpness, surface
@@ -52,7 +52,7 @@ def prepare(case: Case) -> Prepared:
         ),
         problems,
     )
-    doubts += _soft(case)
+    doubts += (*_soft(case), *_idle(case))
     if problems or grid is None or elements is None or punch is None:
         raise InputError(problems)
     return Prepared(grid, elements, punch, doubts)
@@ -64,6 +64,14 @@ def _soft(case: Case) -> tuple[Problem, ...]:
         return ()
     told = f"Young's modulus is {case.wire.youngs_modulus:g} MPa, softer than any wire: a bare number is in MPa"
     return (Problem(told, "wire.youngs_modulus", "write '210 GPa' for steel"),)
+
+
+def _idle(case: Case) -> tuple[Problem, ...]:
+    """Settings of a descent that is not asked for."""
+    if case.press.method == "descent" or case.press.descent == DescentCase():
+        return ()
+    told = f"the settings of the descent have no effect: the method is {case.press.method}"
+    return (Problem(told, "press.descent", 'write method = "descent", or leave them out'),)
 
 
 def _target_problems(case: Case) -> tuple[Problem, ...]:

@@ -129,7 +129,20 @@ _UNITS: dict[str, tuple[Fraction, tuple[int, int, int]]] = {
 _QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*", re.DOTALL)
 _NOT_FINITE = re.compile(r"\s*[+-]?(?:nan|inf|infinity|∞)\b.*", re.IGNORECASE | re.DOTALL)
 _DECIMAL_COMMA = re.compile(r"\s*[+-]?[0-9]+,[0-9]+(?![0-9,])")
+_POWER = re.compile(r"([^\W\d_])([+-]?[0-9])")
 _FACTOR = re.compile(r"([^\W\d_]+|°)(?:\^([+-]?[0-9]))?")
+
+
+def without_unit(value: object) -> bool:
+    """Whether a quantity of a case is a bare number, as text or not, and so in internal units.
+
+    >>> without_unit("30"), without_unit(30), without_unit("30 deg")
+    (True, True, False)
+    """
+    if not isinstance(value, str):
+        return isinstance(value, int | float)
+    matched = _QUANTITY.fullmatch(value)
+    return matched is not None and not matched.group(2)
 
 
 def as_written(value: object) -> str:
@@ -229,7 +242,7 @@ def _unit(text: str) -> tuple[Fraction, tuple[int, int, int], str | None]:
             continue
         matched = _FACTOR.fullmatch(part)
         if matched is None:
-            return total, exponents, f"`{text}` is not a unit"
+            return total, exponents, _with_carets(spelt) or f"`{text}` is not a unit"
         name, power_text = matched.groups()
         if name not in _UNITS:
             return total, exponents, _unknown(name)
@@ -242,6 +255,17 @@ def _unit(text: str) -> tuple[Fraction, tuple[int, int, int], str | None]:
             exponents[2] + power * own[2],
         )
     return total, exponents, None
+
+
+def _with_carets(text: str) -> str:
+    """What to write instead of "N/mm2"; empty when carets alone make no unit of it."""
+    proper = _POWER.sub(r"\1^\2", text)
+    if proper == text:
+        return ""
+    _, exponents, problem = _unit(proper)
+    if problem is not None:
+        return ""
+    return f"write `{proper}`" + (" or `MPa`" if exponents == STRESS.exponents else "")
 
 
 def _unknown(name: str) -> str:

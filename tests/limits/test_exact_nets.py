@@ -10,14 +10,14 @@ from exact_nets import Dome, chords_of_parabola, paraboloid, paraboloid_net, sph
 
 from punchform.arrays import Floats
 
-REFERENCE = Path(__file__).parent / "reference"
+REFERENCE = Path(__file__).parents[1] / "net" / "reference"
 DIAGONAL_SHEAR = {30: 7.5204, 45: 16.1128, 60: 26.9456, 75: 39.2695, 90: 52.4251}
 """Eq. (6.4): shear on the diagonal [deg] by colatitude [deg]."""
 
 
 def quarter_of(name: str) -> Floats:
     """The quarter u, v >= 0 of a reference net, (n, n, 3)."""
-    table = np.loadtxt(REFERENCE / f"{name}.csv", delimiter=",", comments="#", skiprows=2)
+    table = np.loadtxt(REFERENCE / f"{name}.csv", delimiter=",", skiprows=1)
     side = int(table[:, 0].max()) + 1
     return table[:, 2:].reshape(side, side, 3)[side // 2 :, side // 2 :]
 

@@ -12,7 +12,16 @@ import numpy as np
 import pytest
 
 from punchform.arrays import Floats
-from punchform.case import Case, CircleBlank, ParaboloidProfile, PunchCase, RectangleBlank, read_case, write_case
+from punchform.case import (
+    Case,
+    CircleBlank,
+    ParaboloidProfile,
+    PunchCase,
+    RectangleBlank,
+    SphereProfile,
+    read_case,
+    write_case,
+)
 from punchform.cli.drape import drape_case
 from punchform.cli.exits import Exit
 from punchform.drape import drape
@@ -31,12 +40,10 @@ def changed(case: Case, *, grid: dict[str, Any] | None = None, punch: PunchCase 
 
 def hemisphere(tmp_path: Path) -> Path:
     """A case file with a hemisphere; from one side of it a square blank cannot be laid over the other."""
-    from punchform.case import SphereProfile
-
     punch = PunchCase(profile=SphereProfile(radius=90.0), rim_radius=100.0, fillet=12.0)
     path = tmp_path / "hemisphere.toml"
-    case = changed(CHECK, grid={"blank": RectangleBlank(size=(300.0, 300.0))}, punch=punch)
-    path.write_text(write_case(case.model_copy(update={"release": None, "target": None})))
+    alone = CHECK.model_copy(update={"release": None, "target": None})
+    path.write_text(write_case(changed(alone, grid={"blank": RectangleBlank(size=(300.0, 300.0))}, punch=punch)))
     return path
 
 
@@ -95,6 +102,23 @@ def test_a_blank_that_ends_before_the_rim_says_so() -> None:
     assert missing.any()
     assert not missing.all()
     assert f"in {missing.sum()} of 360 directions the blank" in done.notes[0]
+
+
+def test_all_that_is_wrong_beside_the_case_is_told_at_once() -> None:
+    with pytest.raises(InputError) as refused:
+        drape(CHECK, origin=(180.0, -240.0), shear_limit=0.5 * math.pi)
+    assert [problem.where for problem in refused.value.problems] == ["origin", "shear_limit"]
+
+
+def test_a_grid_that_is_moved_off_the_axis_is_drawn_in_as_where_it_lies() -> None:
+    """A dish cut from another place of a sphere is the same dish."""
+    punch = PunchCase(profile=SphereProfile(radius=900.0), rim_radius=300.0, fillet=30.0)
+    case = changed(CHECK, grid={"blank": CircleBlank(radius=305.0)}, punch=punch)
+    middle, aside = drape(case, direction=0.1), drape(case, origin=(2.0, 0.0), direction=0.1)
+    assert aside.origin == (2.0, 0.0)
+    assert aside.direction == 0.1
+    assert aside.draw_in == pytest.approx(middle.draw_in, abs=0.5)
+    assert any("nearer to the axis" in note for note in aside.notes) == bool(np.isnan(aside.rim.radius).any())
 
 
 def test_a_sharp_punch_is_refused_as_for_the_press() -> None:
@@ -178,9 +202,17 @@ def test_a_net_that_ends_is_written_as_far_as_it_goes(tmp_path: Path, capsys: py
         ({"origin": "10 mm, 3 deg"}, "two lengths with a comma"),
         ({"direction": "3 mm"}, "expected an angle"),
         ({"shear_limit": "much"}, "expected an angle"),
+        ({"shear_limit": "200 deg"}, "error: --shear-limit 200 deg: must be less than 90 deg"),
+        ({"shear_limit": "0 deg"}, "must be more than 0 deg.*\n  hint: left out, it is where neighbouring wires touch"),
+        ({"shear_limit": "60"}, "a bare number is in rad: write '60 deg'"),
+        ({"direction": "30"}, "error: --direction 30: must be at most 360 deg.*\n.*write '30 deg'"),
+        (
+            {"origin": "0.4 m, 0"},
+            "error: --origin 0.4 m, 0: 400 mm from the axis, but the rim of the punch is at 300 mm",
+        ),
     ],
 )
-def test_quantities_that_cannot_be_read_are_refused(tmp_path: Path, given: dict[str, str], words: str) -> None:
+def test_quantities_that_cannot_be_used_are_refused(tmp_path: Path, given: dict[str, str], words: str) -> None:
     with pytest.raises(InputError, match=words):
         drape_case("packaged:check", str(tmp_path / "net"), overwrite=False, quiet=True, as_json=False, **given)
     assert not (tmp_path / "net").exists()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -26,7 +27,7 @@ from punchform.errors import InputError
 from punchform.grid import Grid, lay
 from punchform.net import lay_net, touching
 from punchform.net.chain import chain
-from punchform.net.ground import ground
+from punchform.net.ground import Untabled, ground
 from punchform.net.pieces import pieces
 from punchform.punch import Paraboloid, Revolution, Sphere, bare, surface
 from punchform.punch.curves import Graph
@@ -189,6 +190,53 @@ def test_on_a_paraboloid_any_origin_gives_right_edges_on_geodesics() -> None:
         middle, chord = (wire[1:] + wire[:-1]) / 2, np.diff(wire, axis=0)
         clairaut = (middle[:, 0] * chord[:, 1] - middle[:, 1] * chord[:, 0]) / 0.05
         assert np.ptp(clairaut) < 1e-3 * np.abs(clairaut).max()
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_geodesics_of_a_punch_keep_their_moment_about_the_axis_and_lead_back(name: str) -> None:
+    """Clairaut across fillet and flange, as if every step were exact; the way back is the way there."""
+    made = punch(name)
+    start = np.array([60.0, 30.0, float(made.height(np.array([[60.0, 30.0]]))[0])])
+    on = ground(made)
+    ahead = np.cross(on.normals(start[None])[0], (0.3, -0.8, 0.1))
+    ahead /= np.linalg.norm(ahead)
+    end, there = on.walk(start, ahead, 500.0)
+    assert np.hypot(end[0], end[1]) > 310.0
+    assert end[0] * there[1] - end[1] * there[0] == pytest.approx(start[0] * ahead[1] - start[1] * ahead[0], rel=1e-10)
+    back, reverse = on.walk(end, -there, 500.0)
+    assert np.abs(back - start).max() < 1e-7
+    assert np.abs(reverse + ahead).max() < 1e-9
+
+
+@pytest.mark.parametrize("name", ["paraboloid", "low cup", "expression"])
+def test_geodesics_in_tables_are_those_of_the_distance(name: str) -> None:
+    made, step = punch(name), 7.5
+    start = np.array([60.0, 30.0, float(made.height(np.array([[60.0, 30.0]]))[0])])
+    on, any_surface = ground(made), Untabled(made)
+    ahead = np.cross(on.normals(start[None])[0], (-0.3, 0.8, 0.1))
+    ahead /= np.linalg.norm(ahead)
+    wire = on.geodesic(start, ahead, step, 46)
+    assert np.abs(wire - any_surface.geodesic(start, ahead, step, 46)).max() < 1e-8
+    assert np.abs(np.linalg.norm(np.diff(wire, axis=0), axis=1) / step - 1.0).max() < 1e-14
+    assert np.abs(made.distance(wire)).max() < 1e-12
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e4])
+@pytest.mark.parametrize("centre", ["node", "cell"])
+def test_a_net_from_an_origin_of_its_own_knows_no_unit(scale: float, centre: Literal["node", "cell"]) -> None:
+    """Across the fillet, in metres as in micrometres."""
+    plain, other = (
+        lay_net(
+            rectangle((40, 40), (7.5 * size, 9.0 * size), centre=centre),
+            punch("paraboloid", size),
+            origin=(50.0 * size, 20.0 * size),
+            direction=0.4,
+        )
+        for size in (1.0, scale)
+    )
+    assert plain.complete
+    assert np.abs(other.positions / scale - plain.positions).max() < 1e-8
+    assert np.abs(other.shear - plain.shear).max() < 1e-9
 
 
 def test_the_middle_of_a_cell_lies_on_the_origin() -> None:

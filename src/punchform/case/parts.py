@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
@@ -22,6 +23,7 @@ from punchform.units import (
     as_written,
     quantity,
     show,
+    without_unit,
 )
 
 
@@ -29,6 +31,14 @@ class Part(BaseModel):
     """A table of the case file: it cannot be changed, and it refuses keys it does not know."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A table with some settings replaced, checked like a new one; what was left out follows them again.
+
+        `deep` changes nothing: what a table holds is frozen. Raises what the constructor raises.
+        """
+        given = {name: getattr(self, name) for name in self.model_fields_set}
+        return type(self).model_validate({**given, **(update or {})})
 
 
 class MisfitError(ValueError):
@@ -57,15 +67,9 @@ class Quantity:
     def read(self, value: object) -> float:
         """The value in internal units; raises UnitError outside the limits too."""
         number = quantity(value, self.dimension)
-        broken = (
-            (number <= self.above, "more than", self.above),
-            (number < self.least, "at least", self.least),
-            (number > self.most, "at most", self.most),
-            (number >= self.below, "less than", self.below),
-        )
-        for is_broken, words, limit in broken:
-            if is_broken:
-                raise UnitError(f"must be {words} {self._limit(limit)}, not {as_written(value)}")
+        broken = self._broken(number)
+        if broken:
+            raise UnitError(f"must be {broken}, not {as_written(value)}", self._hint(number, value))
         return number
 
     def write(self, value: float) -> str | float:
@@ -76,6 +80,20 @@ class Quantity:
         if self.dimension == ANGLE:
             return f"{math.degrees(limit):g} deg"
         return f"{limit:g} {self.dimension.unit}".rstrip() if limit else "0"
+
+    def _broken(self, number: float) -> str:
+        """The limit that a number does not keep, in words; empty when it keeps all."""
+        broken = (
+            (number <= self.above, "more than", self.above),
+            (number < self.least, "at least", self.least),
+            (number > self.most, "at most", self.most),
+            (number >= self.below, "less than", self.below),
+        )
+        return next((f"{words} {self._limit(limit)}" for is_broken, words, limit in broken if is_broken), "")
+
+    def _hint(self, number: float, value: object) -> str:
+        degrees_meant = self.dimension == ANGLE and without_unit(value) and not self._broken(math.radians(number))
+        return f"a bare number is in rad: write '{number:g} deg' if degrees are meant" if degrees_meant else ""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_before_validator_function(

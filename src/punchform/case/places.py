@@ -40,6 +40,19 @@ def line_of(lines: dict[Path, int], path: Path) -> int:
     return 1
 
 
+def repeated(text: str) -> tuple[Path, int, int] | None:
+    """The last key or table that stands twice in a TOML text, with both its lines; None when there is none.
+
+    The text is valid but for that, and may end right behind the second one, even inside a table or a list.
+
+    >>> repeated('[grid]\\nstep = 1\\nstep = 2')
+    (('grid', 'step'), 2, 3)
+    """
+    scanner = _Scanner(text)
+    scanner.document()
+    return scanner.repeats[-1] if scanner.repeats else None
+
+
 class _Scanner:
     """Walks through the text once and notes where each path begins."""
 
@@ -47,6 +60,8 @@ class _Scanner:
         self.text = text
         self.at = 0
         self.lines: dict[Path, int] = {}
+        self.repeats: list[tuple[Path, int, int]] = []
+        self._opened: dict[Path, int] = {}
         self._breaks = [found.start() for found in re.finditer("\n", text)]
         self._counts: dict[Path, int] = {}
 
@@ -71,6 +86,7 @@ class _Scanner:
             self._counts[table] = self._counts.get(table, -1) + 1
             table = (*table, self._counts[table])
         self._note(table, start)
+        self._open(table, start)
         return table
 
     def _resolved(self, key: Path) -> Path:
@@ -87,6 +103,7 @@ class _Scanner:
         path = (*table, *self._key())
         for length in range(len(table) + 1, len(path) + 1):
             self._note(path[:length], start)
+        self._open(path, start)
         self.at += 1  # the equals sign
         self._skip(_SPACE)
         self._value(path)
@@ -101,7 +118,7 @@ class _Scanner:
             parts.append(_unquoted(found.group()) if quoted else found.group())
             self.at = found.end()
             self._skip(_SPACE)
-            if self.text[self.at] != ".":
+            if not self.text.startswith(".", self.at):
                 return tuple(parts)
             self.at += 1
 
@@ -118,7 +135,7 @@ class _Scanner:
         self.at += 1
         self._skip(_BLANK)
         count = 0
-        while self.text[self.at] != "]":
+        while self._before("]"):
             self._note((*path, count), self.at)
             self._value((*path, count))
             count += 1
@@ -128,14 +145,18 @@ class _Scanner:
     def _inline_table(self, path: Path) -> None:
         self.at += 1
         self._skip(_BLANK)
-        while self.text[self.at] != "}":
+        while self._before("}"):
             self._assignment(path)
             self._skip_comma()
         self.at += 1
 
+    def _before(self, end: str) -> bool:
+        """Whether a list or an inline table goes on here; it also ends with the text."""
+        return self.at < len(self.text) and self.text[self.at] != end
+
     def _skip_comma(self) -> None:
         self._skip(_BLANK)
-        if self.text[self.at] == ",":
+        if self.text.startswith(",", self.at):
             self.at += 1
             self._skip(_BLANK)
 
@@ -145,7 +166,16 @@ class _Scanner:
         self.at = found.end()
 
     def _note(self, path: Path, position: int) -> None:
-        self.lines.setdefault(path, bisect_right(self._breaks, position - 1) + 1)
+        self.lines.setdefault(path, self._line(position))
+
+    def _open(self, path: Path, position: int) -> None:
+        """Note a key or a table that is given a value here: it may only be given one."""
+        first = self._opened.setdefault(path, position)
+        if first != position:
+            self.repeats.append((path, self._line(first), self._line(position)))
+
+    def _line(self, position: int) -> int:
+        return bisect_right(self._breaks, position - 1) + 1
 
 
 def _unquoted(key: str) -> str:

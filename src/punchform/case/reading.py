@@ -16,7 +16,7 @@ from punchform.case.checks import findings
 from punchform.case.grid import GridCase
 from punchform.case.packaged import PREFIX, packaged_text
 from punchform.case.places import Path as KeyPath
-from punchform.case.places import key_lines, line_of
+from punchform.case.places import key_lines, line_of, repeated
 from punchform.case.press import PressCase, SolverCase
 from punchform.case.punch import PunchCase
 from punchform.case.whole import SCHEMA, SECTIONS, Case
@@ -142,13 +142,26 @@ def _document(source: CaseText) -> dict[str, Any]:
 
 def _syntax_error(message: str, source: CaseText) -> InputError:
     words, _, place = message.partition(" (at ")
-    found = re.match(r"line (\d+)", place)
-    lines = source.text.splitlines() or [""]
+    found = re.match(r"line (\d+), column (\d+)", place)
+    lines = source.text.replace("\r\n", "\n").split("\n")
     number = int(found.group(1)) if found else len(lines)
+    if words.startswith(("Cannot overwrite", "Cannot declare", "Cannot mutate", "Duplicate")):
+        until = int(found.group(2)) - 1 if found else len(lines[-1])
+        twice = repeated("\n".join((*lines[: number - 1], lines[number - 1][:until])))
+        if twice is not None:
+            return _repetition(source, *twice)
     line = lines[min(number, len(lines)) - 1]
     unquoted = re.search(r"=\s*([+-]?[0-9.]+(?:e[+-]?[0-9]+)?\s*[A-Za-z°µ][^#]*)", line)
     hint = f'a quantity with a unit stands in quotes: "{unquoted.group(1).strip()}"' if unquoted else ""
     return InputError.of(f"not valid TOML: {words[0].lower()}{words[1:]}", where=f"{source.name}:{number}", hint=hint)
+
+
+def _repetition(source: CaseText, path: KeyPath, first: int, again: int) -> InputError:
+    return InputError.of(
+        f"stands twice, here and on line {first}",
+        where=f"{source.name}:{again}: {_dotted(path)}",
+        hint="leave out one of them",
+    )
 
 
 def _top_level(document: Mapping[str, Any]) -> list[_Found]:
@@ -190,13 +203,19 @@ def _refined(problems: list[_Found]) -> Iterator[_Found]:
     """Each problem once; a misspelt key is not missing too, and a key of another section is told its home."""
     misspelt = {(path[:-1], hint) for path, message, hint in problems if message == UNKNOWN}
     for path, message, hint in dict.fromkeys(problems):
-        if message.startswith("is missing") and (path[:-1], f"did you mean `{path[-1]}`?") in misspelt:
+        if message.startswith("is missing") and _given_otherwise(path, misspelt):
             continue
         homes = [name for name, model in _MODELS.items() if path[-1] in model.model_fields]
-        if message == UNKNOWN and homes:
+        if message == UNKNOWN and homes and not hint.startswith("write "):
             yield path, message, f"`{path[-1]}` belongs in [{homes[0]}]"
         else:
             yield path, message, hint
+
+
+def _given_otherwise(path: KeyPath, misspelt: set[tuple[KeyPath, str]]) -> bool:
+    """Whether a key beside this one was told that it should have been this one."""
+    meanings = (f"did you mean `{path[-1]}`?", f"write {path[-1]} = ")
+    return any(beside == path[:-1] and hint.startswith(meanings) for beside, hint in misspelt)
 
 
 def _dotted(path: KeyPath) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, ModelWrapValidatorHandler, Tag, model_validator
 
 from punchform.case.parts import (
     Count,
@@ -113,6 +113,15 @@ def _length_or_nil(diameter: object) -> float:
         return 0.0
 
 
+def _of_one_diameter(values: dict[str, Any]) -> dict[str, Any]:
+    """The centreline with the diameter for its height, where it is a cosine whose height was left out; else nothing."""
+    line = values.get("centreline")
+    given = line.model_dump(include=line.model_fields_set) if isinstance(line, CosineLine) else line
+    if not isinstance(given, dict) or given.get("kind") != "cosine" or "height" in given:
+        return {}
+    return {"centreline": {**given, "height": _length_or_nil(values.get("diameter"))}}
+
+
 class WireCase(Part):
     """One wire between two crossings: its 6 x 6 stiffness follows from it, Eq. (2.4), or is given."""
 
@@ -145,11 +154,11 @@ class WireCase(Part):
         description="crimp height h [mm]: the centreline's, or the diameter beside a given stiffness",
     )
 
-    @model_validator(mode="before")
+    @model_validator(mode="wrap")
     @classmethod
-    def _demand_and_complete(cls, values: Any) -> Any:
+    def _demand_and_complete(cls, values: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
         if not isinstance(values, dict):
-            return values
+            return handler(values)
         # None is refused by both fields: a wire is never given a size or a modulus silently.
         needed = {"diameter": None} if values.get("stiffness") != "paper" else {}
         needed |= {"youngs_modulus": None} if values.get("stiffness") is None else {}
@@ -158,7 +167,9 @@ class WireCase(Part):
                 raise MisfitError(
                     "has no effect beside a given stiffness", key=(key,), hint=f"leave out `{key}` or `stiffness`"
                 )
-        line = values.get("centreline")
-        if isinstance(line, dict) and line.get("kind") == "cosine":
-            values = {**values, "centreline": {"height": _length_or_nil(values.get("diameter")), **line}}
-        return {**needed, **values}
+        line = _of_one_diameter(values)
+        wire = handler({**needed, **values, **line})
+        if line and wire.centreline is not None:
+            # A copy of this wire with another diameter has another crimp: the height was not given, it followed.
+            wire.centreline.model_fields_set.discard("height")
+        return wire

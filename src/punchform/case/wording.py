@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import difflib
+import json
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, get_args
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
 from punchform.case.parts import MisfitError
 from punchform.case.places import Path
-from punchform.units import UnitError, as_written
+from punchform.units import LENGTH, UnitError, as_written, quantity, show
 
 UNKNOWN = "no such setting"
 
@@ -35,7 +36,7 @@ def explain(error: ErrorDetails, section: str, model: type[BaseModel], raw: obje
     match kind:
         case "extra_forbidden":
             beside = list(_model_at(model, error["loc"][:-1]).model_fields)
-            return path, UNKNOWN, meant(str(inside[-1]), beside)
+            return path, UNKNOWN, _other_size(str(inside[-1]), value, beside) or meant(str(inside[-1]), beside)
         case "value_error":
             path, message, hint = _own_words(context["error"], path)
             return path, f"is missing: {message.partition(', not ')[0]}" if absent else message, hint
@@ -56,6 +57,8 @@ def explain(error: ErrorDetails, section: str, model: type[BaseModel], raw: obje
             return path, f"expected {_listed(choices)}{ending} not {as_written(value)}", meant(value, choices)
         case "missing" if isinstance(path[-1], int):
             return path[:-1], "has too few entries", ""
+        case "tuple_type":
+            return path, _plain_words(kind, value, context), _as_pair(value, _field_at(model, error["loc"]))
     return path, _plain_words(kind, value, context), ""
 
 
@@ -65,6 +68,33 @@ def _own_words(error: object, path: Path) -> tuple[Path, str, str]:
     if isinstance(error, UnitError):
         return path, error.message, error.hint
     return path, str(error), ""
+
+
+def _other_size(key: str, value: object, beside: list[str]) -> str:
+    """What to write for a diameter where a radius is asked for, or a radius for a diameter; else empty."""
+    for given, wanted, times, words in (
+        ("diameter", "radius", 0.5, "half the diameter"),
+        ("radius", "diameter", 2.0, "twice the radius"),
+    ):
+        name = key.replace(given, wanted)
+        if name == key or name not in beside:
+            continue
+        try:
+            size = show(times * quantity(value, LENGTH), LENGTH)
+        except UnitError:
+            size = "..."
+        return f'write {name} = "{size}": {words}'
+    return ""
+
+
+def _as_pair(value: object, annotation: Any) -> str:
+    """What to write where one value stands in place of two; empty where not two are asked for."""
+    pairs = [one for one in (annotation, *get_args(annotation)) if get_origin(one) is tuple]
+    if not pairs or len(get_args(pairs[0])) != 2 or Ellipsis in get_args(pairs[0]):
+        return ""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return ""
+    return f"two values are needed, one along x and one along y: write [{json.dumps(value)}, {json.dumps(value)}]"
 
 
 def _plain_words(kind: str, value: object, context: Mapping[str, Any]) -> str:
@@ -144,6 +174,12 @@ def _model_at(model: type[BaseModel], location: Iterable[str | int]) -> type[Bas
         elif part in candidates[0].model_fields:
             candidates = list(_models_in(candidates[0].model_fields[str(part)].annotation))
     return candidates[0]
+
+
+def _field_at(model: type[BaseModel], location: Path) -> Any:
+    """The annotation of the key that a location leads to; None for an entry of a list."""
+    field = _model_at(model, location[:-1]).model_fields.get(str(location[-1]))
+    return None if field is None else field.annotation
 
 
 def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:

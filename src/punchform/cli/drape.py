@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from punchform.case import parse, read_text, write_case
+from punchform.case.parts import Quantity
 from punchform.cli.exits import Exit
 from punchform.cli.talk import Talk, say
 from punchform.drape import Drape, drape
@@ -16,6 +19,12 @@ from punchform.export.drape import LENGTHS, OUTLINE, drape_json, reached_nodes, 
 from punchform.report.drape import write_drape_report
 from punchform.store import CASE, NODES, RESULT, SHAPE, check_folder, write_folder
 from punchform.units import ANGLE, LENGTH, UnitError, quantity
+
+ANGLES = {
+    "direction": (Quantity(ANGLE, least=-2.0 * math.pi, most=2.0 * math.pi), "such as '30 deg'"),
+    "shear_limit": (Quantity(ANGLE, above=0.0, below=0.5 * math.pi), "left out, it is where neighbouring wires touch"),
+}
+"""Limits of the angles, and advice: a direction of more than a turn is most likely in degrees without their unit."""
 
 
 def drape_case(
@@ -37,12 +46,13 @@ def drape_case(
     source = read_text(path)
     case = parse(source)
     check_folder(output, overwrite=overwrite)
-    start, angle, limit = _origin(origin), _angle(direction, "--direction"), _angle(shear_limit, "--shear-limit")
+    start, angle, limit = _origin(origin), _angle(direction, "direction"), _angle(shear_limit, "shear_limit")
     with Talk(quiet=quiet) as talk:
         try:
             done = drape(case, origin=start, direction=angle or 0.0, shear_limit=limit, observe=talk)
         except InputError as error:
-            raise source.placed(error) from None
+            given = {"origin": origin, "shear_limit": shear_limit}
+            raise source.placed(_as_typed(error, given)) from None
     folder = write_drape(done, output, overwrite=overwrite)
     if not quiet:
         for note in done.notes:
@@ -96,15 +106,28 @@ def _origin(text: str | None) -> tuple[float, float] | None:
         x, y = (quantity(part.strip(), LENGTH) for part in text.split(","))
     except (UnitError, ValueError) as problem:
         raise InputError.of(
-            "the origin is two lengths with a comma", where=f"--origin {text}", hint="such as --origin '10 mm, 0 mm'"
+            "the origin is two lengths with a comma", where=_option("origin", text), hint="such as '10 mm, 0 mm'"
         ) from problem
     return x, y
 
 
-def _angle(text: str | None, where: str) -> float | None:
+def _angle(text: str | None, name: str) -> float | None:
     if text is None:
         return None
+    angle, advice = ANGLES[name]
     try:
-        return quantity(text, ANGLE)
+        return angle.read(text)
     except UnitError as problem:
-        raise InputError.of(str(problem), where=where) from problem
+        raise InputError.of(problem.message, where=_option(name, text), hint=problem.hint or advice) from problem
+
+
+def _as_typed(error: InputError, given: Mapping[str, str | None]) -> InputError:
+    """The same error with the options as they were typed, for the names that `drape` gives them."""
+    return InputError(
+        replace(problem, where=_option(problem.where, given[problem.where])) if problem.where in given else problem
+        for problem in error.problems
+    )
+
+
+def _option(name: str, text: str | None) -> str:
+    return f"--{name.replace('_', '-')} {text}"

@@ -37,6 +37,8 @@ def drape_result(done: Drape) -> dict[str, object]:
         "case_title": done.case.title,
         "grid": {"nodes": len(whole.index), "elements": len(whole.family), "solved_nodes": done.grid.nodes},
         "drape": {
+            "origin_mm": list(done.origin),
+            "direction_deg": math.degrees(done.direction),
             "complete": net.complete,
             "reached_nodes": reached_nodes(done),
             "locked": bool(net.locked.any()),

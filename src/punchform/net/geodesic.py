@@ -1,4 +1,4 @@
-"""Geodesics as generators of a net: wires that are straight within the surface.
+"""Geodesics of any surface as generators of a net: wires that are straight within it; slower than by tables.
 
 A geodesic x(s) of a surface with signed distance d, |grad d| = 1, obeys x'' = -(x'ᵀ ∇²d x') grad d, Eq. (6.6).
 """

@@ -1,6 +1,6 @@
 """What a net is laid on: a surface of revolution in tables, marched by the kernel, or any surface.
 
-Both know how to follow a plane section, to march a quadrant, and to tell normals.
+Both know how to follow a plane section or a geodesic, to march a quadrant, and to tell normals.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from punchform.arrays import Bools, Floats, Ints
-from punchform.net import anywhere, kernel
+from punchform.net import anywhere, geodesic, kernel, straightest
 from punchform.net.chain import Chain, chain
 from punchform.net.compiled import is_cached
 from punchform.net.fate import BEYOND, NO_INTERSECTION, PLACED
@@ -38,6 +38,17 @@ class Ground(Protocol):
         """
         ...
 
+    def geodesic(self, start: Floats, ahead: Floats, step: float, count: int) -> Floats:
+        """Nodes (count, 3) at equal chords along the geodesic that leaves `start` in the unit direction `ahead`.
+
+        NaN where it cannot go on.
+        """
+        ...
+
+    def walk(self, start: Floats, ahead: Floats, length: float) -> tuple[Floats, Floats]:
+        """Where a geodesic of the given length ends, and its unit direction there, both (3,)."""
+        ...
+
     def march(self, quadrant: Quadrant, wanted: Bools, steps: tuple[float, float], side: float) -> None:
         """Fill a quadrant whose two wires are there, where `wanted` (n, m); see `kernel.march`."""
         ...
@@ -60,6 +71,19 @@ class Tabled:
         kernel.follow(self.chain, nodes, _vector(ahead), _vector(across), float(step))
         return nodes
 
+    def geodesic(self, start: Floats, ahead: Floats, step: float, count: int) -> Floats:
+        """See `Ground`."""
+        nodes = np.full((count, 3), np.nan)
+        nodes[0] = start
+        straightest.geodesic(self.chain, nodes, _vector(ahead), float(step))
+        return nodes
+
+    def walk(self, start: Floats, ahead: Floats, length: float) -> tuple[Floats, Floats]:
+        """See `Ground`."""
+        here = np.concatenate((start, ahead))
+        straightest.walk(self.chain, here, float(length))
+        return here[:3], here[3:]
+
     def march(self, quadrant: Quadrant, wanted: Bools, steps: tuple[float, float], side: float) -> None:
         """See `Ground`."""
         kernel.march(self.chain, *quadrant, wanted, (float(steps[0]), float(steps[1])), float(side))
@@ -80,6 +104,14 @@ class Untabled:
     def follow(self, start: Floats, ahead: Floats, across: Floats, step: float, count: int) -> Floats:
         """See `Ground`."""
         return anywhere.follow(self.surface, start, ahead, across, step, count)
+
+    def geodesic(self, start: Floats, ahead: Floats, step: float, count: int) -> Floats:
+        """See `Ground`."""
+        return geodesic.geodesic(self.surface, start, ahead, step, count)
+
+    def walk(self, start: Floats, ahead: Floats, length: float) -> tuple[Floats, Floats]:
+        """See `Ground`."""
+        return geodesic.walk(self.surface, start, ahead, length)
 
     def march(self, quadrant: Quadrant, wanted: Bools, steps: tuple[float, float], side: float) -> None:
         """See `Ground`."""
@@ -121,6 +153,6 @@ def _vector(values: Floats) -> kernel.Vector:
     return float(values[0]), float(values[1]), float(values[2])
 
 
-def kernels_are_compiled() -> bool:
-    """Whether an earlier run has left the compiled march on disk."""
-    return is_cached(kernel.march)
+def kernels_are_compiled(*, geodesics: bool) -> bool:
+    """Whether an earlier run has left the compiled march on disk, and the compiled geodesics if they are needed."""
+    return is_cached(kernel.march) and (is_cached(straightest.geodesic) or not geodesics)

@@ -12,7 +12,6 @@ from punchform.arrays import Bools, Floats, Ints
 from punchform.errors import InputError
 from punchform.grid import Grid
 from punchform.net.fate import PLACED
-from punchform.net.geodesic import geodesic, walk
 from punchform.net.ground import Ground, Quadrant, ground, quadrant_between
 from punchform.net.words import notes_on
 from punchform.punch import Surface
@@ -136,11 +135,11 @@ def _from_geodesics(grid: Grid, surface: Surface, on: Ground, origin: tuple[floa
             where="grid.symmetry",
             hint="lay the grid with symmetry = 'full'",
         )
-    start, ahead, normal = _node_0(grid, surface, origin, direction)
+    start, ahead, normal = _node_0(grid, surface, on, origin, direction)
     side = np.cross(normal, ahead)
     reach = np.abs(grid.index).max(axis=0) + 1
     wires = {
-        (family, sign): geodesic(surface, start, sign * along, grid.step[family], int(reach[family]))
+        (family, sign): on.geodesic(start, sign * along, grid.step[family], int(reach[family]))
         for family, along in enumerate((ahead, side))
         for sign in (1, -1)
     }
@@ -164,11 +163,11 @@ def _from_geodesics(grid: Grid, surface: Surface, on: Ground, origin: tuple[floa
 
 
 def _node_0(
-    grid: Grid, surface: Surface, origin: tuple[float, float], direction: float
+    grid: Grid, surface: Surface, on: Ground, origin: tuple[float, float], direction: float
 ) -> tuple[Floats, Floats, Floats]:
     """Where the node (0, 0) lies, the direction of its first wire, and the normal there, all (3,)."""
     start = _over(surface, origin)
-    normal = _normal(surface, start)
+    normal = on.normals(start[None])[0]
     ahead = np.array([math.cos(direction), math.sin(direction), 0.0])
     ahead = _unit(ahead - (ahead @ normal) * normal)
     shift = _shift(grid)
@@ -176,8 +175,8 @@ def _node_0(
         # From the middle of the cell to its corner along the diagonal; geodesics keep their angle to it.
         x, y = shift * grid.step[0], shift * grid.step[1]
         angle = math.atan2(y, x)
-        start, diagonal = walk(surface, start, _turned(ahead, normal, angle), math.hypot(x, y))
-        normal = _normal(surface, start)
+        start, diagonal = on.walk(start, _turned(ahead, normal, angle), math.hypot(x, y))
+        normal = on.normals(start[None])[0]
         ahead = _turned(diagonal, normal, -angle)
     return start, ahead, normal
 
@@ -230,10 +229,6 @@ def _over(surface: Surface, xy: tuple[float, float]) -> Floats:
             hint="choose an origin on the punch",
         )
     return np.array([*xy, height])
-
-
-def _normal(surface: Surface, point: Floats) -> Floats:
-    return _unit(surface.distance_gradient(point[None])[1][0])
 
 
 def _unit(vector: Floats) -> Floats:

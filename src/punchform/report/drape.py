@@ -81,6 +81,8 @@ def _net_rows(done: Drape) -> Rows:
     net, whole = done.net, done.formed.whole
     return (
         ("Crossings", f"{len(whole.index)} ({reached_nodes(done)} reached)"),
+        ("Origin of the grid", f"x = {done.origin[0]:.6g} mm, y = {done.origin[1]:.6g} mm"),
+        ("Direction of the first wires", size(math.degrees(done.direction), "°")),
         ("Largest shear angle", size(math.degrees(net.max_shear), "°")),
         ("Shear at which the net locks", size(math.degrees(net.limit), "°")),
         ("Locked cells", f"{int(net.locked.sum()) * (4 if done.grid.quarter else 1)}"),
