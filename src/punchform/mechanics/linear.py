@@ -22,6 +22,15 @@ from punchform.mechanics.pattern import Pattern
 RESIDUAL = 1e-13
 """Relative residual beyond which a solution is refined."""
 REFINEMENTS = 3
+DISSECTION = {
+    "ordering": "metis",
+    "nd_init_trials": 2,
+    "nd_fm_passes": 4,
+    "nd_move_limit": 50,
+    "nd_leaf_size": 50,
+}
+WIDER_SUPERNODES = 32
+"""One nested dissection without a race of orderings, quick refinement, small leaves: measured on matrices of grids."""
 PERTURBED_PIVOTS, NEGATIVE_EIGENVALUES = 13, 22
 """Places of what PARDISO counts in its table of parameters."""
 
@@ -100,8 +109,7 @@ class RslabSolver:
         n = len(self.pattern.indptr) - 1
         # The upper triangle by rows is the lower triangle by columns.
         lower = csc_array((ones, self.pattern.indices, self.pattern.indptr), shape=(n, n))
-        # Nested dissection without a race of orderings, and wider supernodes: measured on our matrices.
-        return rslab.analyze(lower, path="ldlt", ordering="metis", nemin=32)
+        return rslab.analyze(lower, path="ldlt", nemin=WIDER_SUPERNODES, **DISSECTION)
 
     def factor(self, values: Floats) -> Factor:
         """Factor the matrix with these upper CSR values; raises SingularMatrix."""

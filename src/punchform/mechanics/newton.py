@@ -70,6 +70,7 @@ def minimise(
     tolerance: float = 1e-12,
     linear: str = "auto",
     stage: str = "press",
+    exact: bool = False,
     observe: Observer = silent,
 ) -> Solution:
     """The minimum of the energy nearest to the start.
@@ -80,7 +81,7 @@ def minimise(
     begun = perf_counter()
     solver = solver_for(energy.pattern, linear)
     tally = _Tally()
-    state, exact, near, outcome, negative = start, False, False, Outcome.STEP_LIMIT, None
+    state, near, outcome, negative, largest = start, False, Outcome.STEP_LIMIT, None, 0.0
     for number in range(max_steps):
         chart = energy.kinematics.chart(state)
         try:
@@ -89,7 +90,8 @@ def minimise(
             outcome = Outcome.SINGULAR
             break
         negative = direction.negative
-        scale = tolerance * max(model.size, _smallest_energy(energy))
+        largest = max(largest, model.size)
+        scale = tolerance * max(model.size, tolerance * largest, _smallest_energy(energy))
         if direction.decrement <= scale and exact and direction.push is None:
             state, length = _last_step(energy, chart, model, direction), 1.0
             outcome = _ending(direction)

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
-from scipy.sparse import csr_array, triu
 
 from punchform.arrays import Ints
 from punchform.grid import Grid
@@ -37,18 +37,63 @@ class Pattern:
 
 def analyse(cliques: Sequence[Ints], count: int) -> Pattern:
     """The pattern in which the unknowns of each clique (rows of the arrays (k, S), -1 for none) all meet."""
-    met = csr_array((count, count), dtype=np.int8)
+    width = max(clique.shape[1] for clique in cliques)
+    stacked = np.full((sum(map(len, cliques)), width), -1, dtype=np.int64)
+    first = 0
     for clique in cliques:
-        used = clique >= 0
-        owner = np.repeat(np.arange(len(clique)), used.sum(axis=1))
-        member = np.ones(used.sum(), dtype=np.int8)
-        incidence = csr_array((member, (owner, clique[used])), shape=(len(clique), count))
-        incidence.data[:] = 1
-        met = met + incidence.astype(bool).T @ incidence.astype(bool)
-    upper = csr_array(triu(met, format="csr"))
-    upper.sort_indices()
-    indptr, indices = upper.indptr.astype(np.int64), upper.indices.astype(np.int64)
+        stacked[first : first + len(clique), : clique.shape[1]] = clique
+        first += len(clique)
+    indptr, indices = _upper(stacked, *_owners(stacked, count))
     return Pattern(indptr, indices, tuple(_places(clique, indptr, indices) for clique in cliques))
+
+
+@njit(cache=True, nogil=True)
+def _owners(cliques, count):  # type: ignore[no-untyped-def]
+    """The cliques that each unknown belongs to: those of unknown a at owners[begin[a] : begin[a + 1]]."""
+    begin = np.zeros(count + 2, dtype=np.int64)
+    for m in range(cliques.shape[0]):
+        for p in range(cliques.shape[1]):
+            if cliques[m, p] >= 0:
+                begin[cliques[m, p] + 2] += 1
+    for a in range(count):
+        begin[a + 2] += begin[a + 1]
+    owners = np.empty(begin[count + 1], dtype=np.int64)
+    for m in range(cliques.shape[0]):
+        for p in range(cliques.shape[1]):
+            if cliques[m, p] >= 0:
+                owners[begin[cliques[m, p] + 1]] = m
+                begin[cliques[m, p] + 1] += 1
+    return begin[:-1], owners
+
+
+@njit(cache=True, nogil=True)
+def _upper(cliques, begin, owners):  # type: ignore[no-untyped-def]
+    """Upper CSR pattern of all pairs that share a clique; a first pass counts, a second writes and sorts."""
+    count = len(begin) - 1
+    indptr = np.zeros(count + 1, dtype=np.int64)
+    seen = np.full(count, -1, dtype=np.int64)
+    indices = np.empty(0, dtype=np.int64)
+    for filling in (False, True):
+        if filling:
+            for a in range(count):
+                indptr[a + 1] += indptr[a]
+            indices = np.empty(indptr[count], dtype=np.int64)
+            seen[:] = -1
+        for a in range(count):
+            entries = 0
+            for place in range(begin[a], begin[a + 1]):
+                clique = cliques[owners[place]]
+                for b in clique:
+                    if b >= a and seen[b] != a:
+                        seen[b] = a
+                        if filling:
+                            indices[indptr[a] + entries] = b
+                        entries += 1
+            if filling:
+                indices[indptr[a] : indptr[a + 1]].sort()
+            else:
+                indptr[a + 1] = entries
+    return indptr, indices
 
 
 def _places(clique: Ints, indptr: Ints, indices: Ints) -> NDArray[np.int32]:

@@ -32,7 +32,8 @@ def free_motions(grid: Grid, kinematics: Kinematics, chart: Chart) -> tuple[int,
     followed = np.einsum("ncs,gnc->gns", shifts, generators) * (unknowns != UNUSED)
     missed = generators - np.einsum("ncs,gns->gnc", shifts, followed)
     # Singular values, not eigenvalues of the squares: what counts lies at the square root of rounding there.
-    combinations, sizes, _ = np.linalg.svd(missed.reshape(len(missed), -1), full_matrices=False)
+    triangle = np.linalg.qr(missed.reshape(len(missed), -1).T, mode="r")
+    combinations, sizes, _ = np.linalg.svd(triangle.T)
     free = combinations[:, sizes < REPRESENTED * np.sqrt(grid.nodes)]
     if not free.size:
         return ()
