@@ -124,12 +124,14 @@ def wires(
     return stiffness(wire_case(diameter, height=height, straight=straight), step)
 
 
-def bars(elements: tuple[Element, Element], *, share: float = 0.5) -> Bars:
+def bars(elements: tuple[Element, Element], *, share: float = 0.5, chord: bool = False) -> Bars:
     """Elements with the offset e = share h of Eq. (3.1): centred 0.5, lower 1."""
     return Bars(
         C=np.stack([element.C for element in elements]),
         offset=np.array([share * element.height for element in elements]),
         length=np.array([element.length for element in elements]),
+        rise=np.array([line.rise if (line := element.centreline) else element.height for element in elements]),
+        chord=chord,
     )
 
 

@@ -1,4 +1,4 @@
-"""The check case of docs/theory.md, section 9: the figures of an independent prototype, to their digits."""
+"""The check case of docs/theory.md, section 11: the figures of an independent prototype, to their digits."""
 
 from __future__ import annotations
 

@@ -23,8 +23,8 @@ def remarks(
 ) -> tuple[str, ...]:
     """Notes on a formed grid, most important first; none when all is well."""
     found = (
-        _steep(whole, grid.step),
-        _overpulled(whole, elements) if case.kinematics == "free" else "",
+        "" if case.chord else _steep(whole, grid.step),
+        _overpulled(whole, elements) if case.kinematics == "free" and not case.chord else "",
         _locked(grid, whole, elements),
         _yielding(whole),
         _clamped(case),
@@ -42,7 +42,7 @@ def _steep(whole: Whole, step: tuple[float, float]) -> str:
     return (
         f"a wire leaves its crossing at up to {np.rad2deg(angle):.0f} degrees to the line to the next crossing; beyond "
         f"{np.rad2deg(LARGEST_ANGLE):.0f} degrees the element is too soft, and tensions and energy come out too small: "
-        "take a smaller step or larger bend radii, or let the wires slide in"
+        "write press.frame = 'chord', or take a smaller step or larger bend radii"
     )
 
 
@@ -53,7 +53,7 @@ def _overpulled(whole: Whole, elements: tuple[Element, Element]) -> str:
         if pull > bound:
             return (
                 f"a wire is pulled with {pull:.3g} N; beyond {bound:.3g} N (it falls with the square of the step) the "
-                "element buckles where a wire would not: take a smaller step, and do not trust the forces of this run"
+                "element buckles where a wire would not: its forces are wrong: write press.frame = 'chord'"
             )
     return ""
 
@@ -97,7 +97,7 @@ def _clamped(case: PressCase) -> str:
         return ""
     return (
         "the rim is clamped: the wires can only stretch, and elastic wires then carry forces that no real wire bears; "
-        "take them as a sign that the wire yields (plastic wires are still to come)"
+        "they are a sign that it yields, which these elastic wires do not"
     )
 
 

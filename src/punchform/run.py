@@ -1,53 +1,81 @@
-"""The core idea: form the grid over the punch, let it go, and measure it."""
+"""The core idea: form the grid over the punch, let it go, load it, and measure it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
+from typing import TypedDict
 
-from punchform.case import Case
-from punchform.prepare import prepare
+from punchform.accuracy import Accuracy, measure_case
+from punchform.case import Case, CrossingSpring, SolverCase
+from punchform.grid import Grid, lay
+from punchform.load import Loaded, load
+from punchform.prepare import Prepared, prepare
 from punchform.press import Formed, press
 from punchform.progress import Observer, silent
+from punchform.release import Released, release
 
 
 @dataclass(frozen=True)
 class Run:
-    """A case and what became of it; released and accuracy stay None until those stages exist."""
+    """A case and what became of it: the formed grid, and what the case asks for after that, else None.
+
+    accuracy is that of the released shape, or of the formed one when there is no release.
+    """
 
     case: Case
     formed: Formed
-    released: None
-    accuracy: None
+    released: Released | None
+    loaded: Loaded | None
+    accuracy: Accuracy | None
     notes: tuple[str, ...]
     seconds: float
 
+    @property
+    def final(self) -> Formed | Released:
+        """The last stage before the loads: what leaves the workshop."""
+        return self.formed if self.released is None else self.released
+
+
+class _Wires(TypedDict):
+    """What every stage needs beside grid and elements."""
+
+    crossing: str | CrossingSpring
+    solver: SolverCase
+    yield_strength: float | None
+    observe: Observer
+
 
 def run(case: Case, *, observe: Observer = silent) -> Run:
-    """Form the grid over the punch.
+    """Form the grid over the punch, let it go, load it, and measure it.
 
     Raises InputError when the case cannot be pressed, NoEquilibrium when no equilibrium is found.
     """
     begun = perf_counter()
     ready = prepare(case)
-    formed = press(
-        ready.grid,
-        ready.elements,
-        ready.punch,
-        case.press,
-        crossing=case.grid.crossing,
-        solver=case.solver,
-        yield_strength=case.wire.yield_strength,
-        observe=observe,
+    wires = _Wires(
+        crossing=case.grid.crossing, solver=case.solver, yield_strength=case.wire.yield_strength, observe=observe
     )
-    notes = (*(doubt.message for doubt in ready.doubts), *_later(case))
-    return Run(case, formed, None, None, notes, perf_counter() - begun)
+    formed = press(ready.grid, ready.elements, ready.punch, case.press, **wires)
+    released = loaded = None
+    if case.release is not None:
+        whole_grid = _whole_grid(case, ready)
+        released = release(formed, ready.elements, case.release, case.press, full_grid=whole_grid, **wires)
+        if case.load is not None:
+            loaded = load(released, ready.elements, case.load, case.wire, case.press, **wires)
+    final = released or formed
+    accuracy = None
+    if case.target is not None:
+        accuracy = measure_case(
+            final.whole.positions, final.whole.cells, case.target, apex_height=ready.punch.height_at_axis
+        )
+    notes = tuple(doubt.message for doubt in ready.doubts)
+    return Run(case, formed, released, loaded, accuracy, notes, perf_counter() - begun)
 
 
-def _later(case: Case) -> tuple[str, ...]:
-    """What the case asks for that is checked but not computed yet."""
-    asked = [name for name, part in (("release", case.release), ("target", case.target)) if part is not None]
-    if not asked:
-        return ()
-    sections = " and ".join(f"[{name}]" for name in asked)
-    return (f"{sections} of the case: read and checked; this version stops at the formed grid",)
+def _whole_grid(case: Case, ready: Prepared) -> Grid | None:
+    """The grid without mirror planes, when the release shall be free to leave the symmetry."""
+    assert case.release is not None
+    if case.release.symmetry == "as pressed" or not ready.grid.quarter:
+        return None
+    return lay(case.grid.model_copy(update={"symmetry": "full"}), rim_radius=case.punch.rim_radius)

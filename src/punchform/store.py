@@ -165,9 +165,10 @@ def _write_files(run: Run, folder: Path) -> None:
 
     (folder / CASE).write_text(write_case(run.case), encoding="utf-8", newline="\n")
     (folder / RESULT).write_text(result_json(run), encoding="utf-8", newline="\n")
-    write_nodes(folder / NODES, run.formed)
+    released = None if run.released is None else run.released.whole.positions
+    write_nodes(folder / NODES, run.formed, released)
     write_wires(folder / WIRES, run.formed)
-    write_vtp(folder / SHAPE, run.formed)
+    write_vtp(folder / SHAPE, run.formed, released)
 
 
 def _put_in_place(aside: Path, target: Path) -> None:

@@ -94,6 +94,20 @@ def unfold(
     )
 
 
+def state_on(grid: Grid, whole: Whole) -> State:
+    """The state of a grid laid without mirror planes, from the whole grid that a quarter of it stood for."""
+    place = _at(_numbers(whole.index), whole.index, grid.index)
+    return State(whole.positions[place], whole.normals[place], whole.tangents[place])
+
+
+def unfold_vectors(grid: Grid, vectors: Floats, odd: tuple[bool, bool] = (False, False)) -> Floats:
+    """Vectors at the solved nodes (N, 3) as those of the whole grid; odd: they change sign across x = 0, y = 0."""
+    source, signs = _node_copies(grid)
+    space = np.column_stack((signs, np.ones(len(signs), dtype=np.int64)))
+    flips = np.where(odd, signs, 1).prod(axis=1)
+    return np.asarray(vectors[source] * space * flips[:, None])
+
+
 def cell_shear(positions: Floats, cells: Ints) -> Floats:
     """Shear of the cells (K,) [rad]: a right angle less the angle between the two mid-lines."""
     p, q, r, s = (positions[cells[:, k]] for k in range(4))

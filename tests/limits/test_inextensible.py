@@ -152,7 +152,7 @@ def continued(start: State, count: int, stiffer: float, *, max_steps: int) -> So
     node = {(int(i), int(j)): number for number, (i, j) in enumerate(grid.index)}
     # The apex stays where it is, and the last node on the x axis does not go round.
     pins = (*frames.unknowns[2 * node[0, 0], :2], frames.unknowns[2 * node[count, 0], 1])
-    bars = Bars(np.stack([element.C] * 2), np.zeros(2), np.full(2, element.length))
+    bars = Bars(np.stack([element.C] * 2), np.zeros(2), np.full(2, element.length), rise=np.zeros(2))
     return minimise(Energy(grid, bars, replace(frames, pins=pins)), start, max_steps=max_steps)
 
 

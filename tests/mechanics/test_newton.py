@@ -27,7 +27,7 @@ from small_grids import (
 
 from punchform.arrays import Floats
 from punchform.errors import InputError
-from punchform.mechanics.assembly import Bars, Energy, Hessian
+from punchform.mechanics.assembly import Energy, Hessian
 from punchform.mechanics.frames import State, squared
 from punchform.mechanics.newton import minimise
 from punchform.mechanics.outcome import Outcome
@@ -244,7 +244,7 @@ def test_wires_of_nothing_make_a_singular_matrix(library: str) -> None:
     if find_spec(LIBRARIES[library]) is None:
         pytest.skip(f"{LIBRARIES[library]} is not installed: the extra `fast` brings it where there are wheels")
     energy, start = case()
-    weightless = Bars(energy.bars.C * np.array([1.0, 0.0])[:, None, None], energy.bars.offset, energy.bars.length)
+    weightless = replace(energy.bars, C=energy.bars.C * np.array([1.0, 0.0])[:, None, None])
     solution = minimise(replace(energy, bars=weightless), start, linear=library)
     assert solution.outcome is Outcome.SINGULAR
     assert not solution.outcome.usable

@@ -32,7 +32,7 @@ def table_of_paraboloid(count: int, *, end: float = 300.0, focal_length: float =
 
 
 CHECK = PunchCase(profile=ParaboloidProfile(focal_length=250.0), rim_radius=300.0, fillet=30.0)
-"""The punch of the check case (docs/theory.md, section 9)."""
+"""The punch of the check case (docs/theory.md, section 11)."""
 
 PUNCHES: dict[str, Revolution] = {
     "paraboloid": surface(CHECK),

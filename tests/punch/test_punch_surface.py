@@ -29,7 +29,7 @@ every_punch = pytest.mark.parametrize("made", PUNCHES.values(), ids=PUNCHES.keys
 
 
 def test_nodes_of_the_check_case_lie_on_the_punch() -> None:
-    """docs/theory.md, section 9: formed positions, given there to 1e-5 mm."""
+    """docs/theory.md, section 11: formed positions, given there to 1e-5 mm."""
     nodes = np.array(
         [
             (74.72575, 0.0, 79.65979),

@@ -1,7 +1,7 @@
 """The case: what the user asks for, read from a file, checked, in internal units (mm, N, MPa, rad)."""
 
-from punchform.case.after import HoldFrom, ReleaseCase, TargetCase
 from punchform.case.grid import Blank, CircleBlank, CrossingSpring, GridCase, PolygonBlank, RectangleBlank
+from punchform.case.load import LoadCase, PointForce, WindCase
 from punchform.case.memory import machine_memory
 from punchform.case.packaged import TEMPLATE, packaged_cases, packaged_text
 from punchform.case.press import DescentCase, PressCase, SolverCase
@@ -18,7 +18,9 @@ from punchform.case.punch import (
     TableProfile,
 )
 from punchform.case.reading import CaseText, case_from_text, parse, read_case, read_text
+from punchform.case.release import HoldFrom, HoldNodes, HoldPoints, HoldRing, ReleaseCase, Rib
 from punchform.case.schema import json_schema
+from punchform.case.target import TargetCase
 from punchform.case.whole import Case
 from punchform.case.wire import Centreline, CosineLine, PointsLine, StraightLine, WireCase
 from punchform.case.writing import write_case
@@ -39,7 +41,12 @@ __all__ = [
     "FlatProfile",
     "GridCase",
     "HoldFrom",
+    "HoldNodes",
+    "HoldPoints",
+    "HoldRing",
+    "LoadCase",
     "ParaboloidProfile",
+    "PointForce",
     "PointsLine",
     "PolygonBlank",
     "PolynomialProfile",
@@ -48,11 +55,13 @@ __all__ = [
     "PunchCase",
     "RectangleBlank",
     "ReleaseCase",
+    "Rib",
     "SolverCase",
     "SphereProfile",
     "StraightLine",
     "TableProfile",
     "TargetCase",
+    "WindCase",
     "WireCase",
     "case_from_text",
     "json_schema",

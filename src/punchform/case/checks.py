@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from punchform.case.after import HoldFrom, ReleaseCase, TargetCase
 from punchform.case.grid import CircleBlank, GridCase, PolygonBlank, RectangleBlank
+from punchform.case.load import LoadCase
 from punchform.case.memory import (
     BYTES_PER_NODE,
     blank_area,
@@ -20,6 +20,8 @@ from punchform.case.memory import (
 )
 from punchform.case.press import PressCase, SolverCase
 from punchform.case.punch import PunchCase
+from punchform.case.release import HoldFrom, ReleaseCase
+from punchform.case.target import TargetCase
 from punchform.case.wire import PAPER_DIAMETER, StraightLine, WireCase, rise
 
 
@@ -40,6 +42,7 @@ def findings(
     press: PressCase | None,
     solver: SolverCase | None,
     release: ReleaseCase | None,
+    load: LoadCase | None,
     target: TargetCase | None,
 ) -> Iterator[Finding]:
     """All contradictions between (and inside) the sections that are given."""
@@ -58,6 +61,8 @@ def findings(
         yield from _kinematics_knows_crossing(grid, press)
     if grid and release:
         yield from _something_is_held(grid, release)
+    if load:
+        yield from _load_can_act(load, wire, release)
     if punch and target:
         yield from _aperture_inside_rim(punch, target)
 
@@ -180,6 +185,19 @@ def _something_is_held(grid: GridCase, release: ReleaseCase) -> Iterator[Finding
             f"no node lies beyond {release.hold.from_radius:g} mm: the blank reaches {blank_reach(grid.blank):g} mm",
             'take a smaller radius, or hold = "nothing"',
         )
+
+
+def _load_can_act(load: LoadCase, wire: WireCase | None, release: ReleaseCase | None) -> Iterator[Finding]:
+    if release is None:
+        yield Finding(
+            ("load",), "loads act after the release, and the case has no [release]", "say in [release] what is held"
+        )
+    elif release.hold == "nothing" and not release.ribs:
+        yield Finding(
+            ("load",), "nothing holds the grid, so a load would carry it away", "say in [release] what is held"
+        )
+    if load.gravity is not None and wire and wire.density is None:
+        yield Finding(("load", "gravity"), "the weight of the wire is not known", "give wire.density in kg/m^3")
 
 
 def _aperture_inside_rim(punch: PunchCase, target: TargetCase) -> Iterator[Finding]:

@@ -116,6 +116,7 @@ PositiveLength = Annotated[float, Quantity(LENGTH, above=0.0, least=_SMALLEST, m
 LengthFromZero = Annotated[float, Quantity(LENGTH, least=0.0, most=_LARGEST)]
 Force = Annotated[float, Quantity(FORCE)]
 PositiveStress = Annotated[float, Quantity(STRESS, above=0.0, most=1e9)]
+Angle = Annotated[float, Quantity(ANGLE)]
 WallAngle = Annotated[float, Quantity(ANGLE, above=0.0, below=math.pi / 2)]
 PositiveRotaryStiffness = Annotated[float, Quantity(ROTARY_STIFFNESS, above=0.0)]
 PositiveCompliance = Annotated[float, Quantity(COMPLIANCE, above=0.0)]

@@ -34,6 +34,12 @@ class PressCase(Part):
     offset: Literal["centred", "lower"] = Field(
         default="centred", description="centred: e = h/2; lower: e = h, the paper's P(14); see Eq. (3.1)"
     )
+    frame: Literal["auto", "O", "chord"] = Field(
+        default="auto",
+        description="where an element's deformation is read: O: in the paper's frame at its end O, Eq. (3.2); chord: "
+        "from the line between its ends, Eq. (3.12), which stays right at large bends and pulls; auto: chord where the "
+        "rim is clamped, else O",
+    )
     rim: Literal["draw", "clamp"] = Field(
         default="draw", description="draw: the flange slides in freely; clamp: held from the rim outwards"
     )
@@ -48,6 +54,11 @@ class PressCase(Part):
         default=None, description="outward force on every wire end of the two families [N]"
     )
     descent: DescentCase = Field(default=DescentCase(), description="only used with method = 'descent'")
+
+    @property
+    def chord(self) -> bool:
+        """Whether deformations are read from the chord."""
+        return self.frame == "chord" or (self.frame == "auto" and self.rim == "clamp")
 
 
 class SolverCase(Part):

@@ -11,14 +11,16 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from punchform.case.after import ReleaseCase, TargetCase
 from punchform.case.checks import findings
 from punchform.case.grid import GridCase
+from punchform.case.load import LoadCase
 from punchform.case.packaged import PREFIX, packaged_text
 from punchform.case.places import Path as KeyPath
 from punchform.case.places import key_lines, line_of, repeated
 from punchform.case.press import PressCase, SolverCase
 from punchform.case.punch import PunchCase
+from punchform.case.release import ReleaseCase
+from punchform.case.target import TargetCase
 from punchform.case.whole import SCHEMA, SECTIONS, Case
 from punchform.case.wire import WireCase
 from punchform.case.wording import UNKNOWN, explain, meant
@@ -35,6 +37,7 @@ _MODELS: dict[str, type[BaseModel]] = {
     "press": PressCase,
     "solver": SolverCase,
     "release": ReleaseCase,
+    "load": LoadCase,
     "target": TargetCase,
 }
 _Found = tuple[KeyPath, str, str]

@@ -6,12 +6,14 @@ from typing import Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from punchform.case.after import ReleaseCase, TargetCase
 from punchform.case.checks import findings
 from punchform.case.grid import GridCase
+from punchform.case.load import LoadCase
 from punchform.case.parts import Part
 from punchform.case.press import PressCase, SolverCase
 from punchform.case.punch import PunchCase
+from punchform.case.release import ReleaseCase
+from punchform.case.target import TargetCase
 from punchform.case.wire import WireCase
 from punchform.errors import InputError, Problem
 
@@ -35,6 +37,7 @@ class Case(Part):
     press: PressCase = Field(default=PressCase(), description="how the grid is pressed")
     solver: SolverCase = Field(default=SolverCase(), description="how the energy is minimised")
     release: ReleaseCase | None = Field(default=None, description="what stays held after the press")
+    load: LoadCase | None = Field(default=None, description="what acts on the grid after its release")
     target: TargetCase | None = Field(default=None, description="the wanted shape")
 
     @model_validator(mode="after")
@@ -45,5 +48,5 @@ class Case(Part):
         return self
 
 
-SECTIONS: tuple[str, ...] = ("grid", "wire", "punch", "press", "solver", "release", "target")
+SECTIONS: tuple[str, ...] = ("grid", "wire", "punch", "press", "solver", "release", "load", "target")
 """The tables of a case file in the order in which they are written."""

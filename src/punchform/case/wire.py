@@ -145,6 +145,9 @@ class WireCase(Part):
     yield_strength: PositiveStress | None = Field(
         default=None, description="yield strength [MPa]; gives the ratio of stress to it"
     )
+    density: Annotated[float, Quantity(NUMBER, above=0.0, most=30_000.0)] | None = Field(
+        default=None, description="density [kg/m^3]; needed for gravity, gives the mass of the wire"
+    )
     centreline: Centreline | None = Field(
         default_factory=_own_centreline,
         description="how the wire runs between two crossings; a cosine of one diameter when left out",

@@ -87,6 +87,25 @@ def _run(arguments: argparse.Namespace) -> Exit:
                 direction=arguments.direction,
                 shear_limit=arguments.shear_limit,
             )
+        case "compare":
+            from punchform.cli.compare import compare_points
+
+            return compare_points(
+                arguments.run,
+                arguments.points,
+                arguments.output,
+                units=arguments.units,
+                align=arguments.align,
+                fit_to=arguments.fit_to,
+                rim_points=arguments.rim_points,
+                clock=arguments.clock,
+                tolerance=arguments.tolerance,
+                skip_bad_rows=arguments.skip_bad_rows,
+                drop_outliers=arguments.drop_outliers,
+                overwrite=arguments.overwrite,
+                quiet=arguments.quiet,
+                as_json=arguments.json,
+            )
         case "element":
             from punchform.cli.element import element
 
@@ -113,7 +132,10 @@ class _Parser(argparse.ArgumentParser):
     """Says what is wrong with the arguments in the style of all other errors."""
 
     def error(self, message: str) -> NoReturn:
-        say(f"error: {message}\n  hint: see `{self.prog} --help`")
+        # argparse takes -30deg for an option; behind an equals sign it is a value.
+        option = message.split()[1].rstrip(":") if message.endswith("expected one argument") else ""
+        hint = f"; a value that begins with a minus follows an equals sign: {option}=-..." if option else ""
+        say(f"error: {message}\n  hint: see `{self.prog} --help`{hint}")
         raise SystemExit(int(Exit.UNUSABLE_INPUT))
 
 
@@ -137,6 +159,8 @@ def _parser() -> argparse.ArgumentParser:
     drape.add_argument(
         "--shear-limit", metavar="ANGLE", help="shear at which the net locks (where neighbouring wires touch)"
     )
+
+    _add_compare(commands.add_parser("compare", help="hold measured points against the target and a run"))
 
     element = commands.add_parser("element", help="the stiffness of one wire between two crossings")
     element.add_argument("case", metavar="CASE", help=CASE_HELP)
@@ -168,3 +192,38 @@ def _add_run(command: argparse.ArgumentParser) -> None:
     command.add_argument("--overwrite", action="store_true", help="replace an earlier run in that folder")
     command.add_argument("--quiet", action="store_true", help="no progress and no notes")
     command.add_argument("--json", action="store_true", help="print result.json instead of a summary")
+
+
+def _add_compare(command: argparse.ArgumentParser) -> None:
+    """The arguments of `compare`."""
+    command.add_argument("run", metavar="RUN", help="folder that `punchform form` wrote")
+    command.add_argument("points", metavar="POINTS", help="measured points: csv, txt, xyz, asc, ply or stl")
+    command.add_argument("-o", "--output", metavar="DIR", required=True, help="folder for the results")
+    command.add_argument(
+        "--units", choices=("mm", "cm", "m", "in"), help="unit of the points, where the file is silent"
+    )
+    command.add_argument(
+        "--align",
+        choices=("best-fit", "rim", "as-given"),
+        default="best-fit",
+        help="best-fit: least squares; rim: plane and circle of the rim points (3-2-1); as-given: not at all",
+    )
+    command.add_argument(
+        "--fit-to",
+        choices=("nodes", "target", "prediction"),
+        help="what a best fit goes to; else nodes where points are named i:j, else the target, else the prediction",
+    )
+    command.add_argument(
+        "--rim-points", metavar="NAMES", help="names of the points on the rim, such as 'R1,R2,R3' or 'R*'"
+    )
+    command.add_argument("--clock", metavar="NAME=ANGLE", help="direction of one point in plan, such as 'P7=90 deg'")
+    command.add_argument(
+        "--tolerance", metavar="LENGTH", help="largest rms, and band of the table, such as '0.5 mm'; else the target's"
+    )
+    command.add_argument(
+        "--skip-bad-rows", action="store_true", help="leave out rows that cannot be read, and say which"
+    )
+    command.add_argument("--drop-outliers", action="store_true", help="leave outliers out of fit and statistics")
+    command.add_argument("--overwrite", action="store_true", help="replace an earlier comparison in that folder")
+    command.add_argument("--quiet", action="store_true", help="no notes")
+    command.add_argument("--json", action="store_true", help="print comparison.json instead of a summary")

@@ -11,6 +11,7 @@ from punchform.cli.talk import Talk, say
 from punchform.errors import InputError
 from punchform.export.result import all_notes, largest
 from punchform.press import Formed
+from punchform.report.accuracy_words import judgement
 from punchform.report.page import write_report
 from punchform.run import Run, run
 from punchform.store import RESULT, check_folder, write_run
@@ -38,7 +39,7 @@ def form(path: str, output: str, *, overwrite: bool, quiet: bool, as_json: bool)
     if not done.formed.outcome.usable:
         say(f"error: {done.formed.outcome.value}")
         return Exit.NO_EQUILIBRIUM
-    return Exit.DONE
+    return Exit.OUT_OF_TOLERANCE if done.accuracy is not None and done.accuracy.within is False else Exit.DONE
 
 
 def summary(done: Run, folder: Path) -> str:
@@ -54,10 +55,28 @@ def summary(done: Run, folder: Path) -> str:
         "largest strain": f"{100 * formed.max_axial_strain:.3g} % by the pull along a wire",
         "largest stress": _stress(formed),
         "draw-in": f"{formed.draw_in:.3g} mm",
+        **after(done),
         "report": str(folder / "report.html"),
     }
     width = max(map(len, facts))
     return "\n".join([done.case.title, *(f"  {name:<{width}}  {fact}" for name, fact in facts.items())])
+
+
+def after(done: Run) -> dict[str, str]:
+    """The facts of the stages after the press, as far as the case asks for them."""
+    facts = {}
+    if done.released is not None:
+        gone = done.released
+        i, j = gone.whole.index[gone.lowest]
+        facts["released"] = (
+            f"{gone.energy:.7g} mJ left; apex {gone.apex:+.3g} mm, lowest {gone.max_sag:+.3g} mm at ({i}, {j}); "
+            f"{gone.factorisations} factorisations, {gone.seconds['total']:.2f} s"
+        )
+    if done.loaded is not None:
+        facts["loaded"] = f"{done.loaded.load:.4g} N move the shape by {done.loaded.rms_deflection:.3g} mm rms"
+    if done.accuracy is not None:
+        facts["accuracy"] = judgement(done.accuracy)
+    return facts
 
 
 def _effort(formed: Formed) -> str:

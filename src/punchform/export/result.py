@@ -10,11 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from punchform import __version__
+from punchform.accuracy import plain as accuracy_json
 from punchform.arrays import Floats
 
 if TYPE_CHECKING:
+    from punchform.load import Loaded
     from punchform.press import Formed
+    from punchform.release import Released
     from punchform.run import Run
+    from punchform.solved import Solved
 
 RESULT_SCHEMA = 1
 
@@ -37,6 +41,9 @@ def result(run: Run) -> dict[str, object]:
             "solved_nodes": run.formed.solved_nodes,
         },
         "formed": _formed(run.formed),
+        "released": None if run.released is None else _released(run.released),
+        "loaded": None if run.loaded is None else _loaded(run.loaded),
+        "accuracy": None if run.accuracy is None else accuracy_json(run.accuracy),
         "notes": list(all_notes(run)),
     }
     plain = _plain(content)
@@ -46,7 +53,9 @@ def result(run: Run) -> dict[str, object]:
 
 def all_notes(run: Run) -> tuple[str, ...]:
     """The notes of the run and of its stages, each once, in order."""
-    return tuple(dict.fromkeys((*run.notes, *run.formed.notes)))
+    stages = [stage.notes for stage in (run.formed, run.released, run.loaded) if stage is not None]
+    warned = () if run.accuracy is None else run.accuracy.warnings
+    return tuple(dict.fromkeys(note for notes in (run.notes, *stages, warned) for note in notes))
 
 
 def largest(values: Floats) -> float | None:
@@ -57,22 +66,50 @@ def largest(values: Floats) -> float | None:
 
 def _formed(formed: Formed) -> dict[str, object]:
     contact = formed.whole.contact
-    return {
-        "energy_mJ": formed.energy,
-        "outcome": formed.outcome.name.lower(),
-        "advice": formed.outcome.value,
-        "steps": formed.steps,
-        "factorisations": formed.factorisations,
-        "negative_eigenvalues": formed.negative_eigenvalues,
-        "max_shear_deg": math.degrees(formed.max_shear),
-        "max_axial_strain": formed.max_axial_strain,
+    return _solved(formed) | {
         "draw_in_mm": formed.draw_in,
-        "seconds": formed.seconds,
-        "energy_kinds_mJ": formed.energy_kinds,
         "contact": {"min_N": contact.min(), "max_N": contact.max(), "push_N": formed.push},
-        "linear_solver": formed.linear_solver,
-        "max_stress_MPa": largest(formed.whole.stress),
-        "max_stress_ratio": largest(formed.whole.stress_ratio),
+    }
+
+
+def _released(released: Released) -> dict[str, object]:
+    return _solved(released) | {
+        "apex_mm": released.apex,
+        "max_sag_mm": released.max_sag,
+        "max_sag_node": released.whole.index[released.lowest].tolist(),
+        "held_nodes": released.hold.count,
+        "largest_reaction_N": released.largest_reaction,
+        "negative_eigenvalues_of_whole": released.stability.negative,
+    }
+
+
+def _loaded(loaded: Loaded) -> dict[str, object]:
+    return _solved(loaded) | {
+        "load_N": loaded.load,
+        "rms_deflection_mm": loaded.rms_deflection,
+        "largest_deflection_mm": loaded.largest_deflection,
+        "compliance_mm_per_N": loaded.compliance,
+        "largest_reaction_N": np.linalg.norm(loaded.reactions, axis=1).max(),
+        "mass_kg": loaded.mass,
+    }
+
+
+def _solved(stage: Solved) -> dict[str, object]:
+    """What result.json tells of every stage."""
+    return {
+        "energy_mJ": stage.energy,
+        "outcome": stage.outcome.name.lower(),
+        "advice": stage.outcome.value,
+        "steps": stage.steps,
+        "factorisations": stage.factorisations,
+        "negative_eigenvalues": stage.negative_eigenvalues,
+        "max_shear_deg": math.degrees(stage.max_shear),
+        "max_axial_strain": stage.max_axial_strain,
+        "seconds": stage.seconds,
+        "energy_kinds_mJ": stage.energy_kinds,
+        "linear_solver": stage.linear_solver,
+        "max_stress_MPa": largest(stage.whole.stress),
+        "max_stress_ratio": largest(stage.whole.stress_ratio),
         "history": [
             {
                 "number": step.number,
@@ -82,7 +119,7 @@ def _formed(formed: Formed) -> dict[str, object]:
                 "length": step.length,
                 "hessian": step.hessian,
             }
-            for step in formed.history
+            for step in stage.history
         ],
     }
 

@@ -48,12 +48,15 @@ class Hessian(Enum):
 class Bars:
     """What the elements of both families are made of, in element axes (mm, N).
 
-    C (2, 6, 6): stiffness; offset (2,): e of Eq. (3.1); length (2,): the step s.
+    C (2, 6, 6): stiffness; offset (2,): e of Eq. (3.1); length (2,): the step s; rise (2,): how far the piece that C
+    describes rises, h of Eq. (3.10); chord: whether D is read from the chord, Eq. (3.12), or at O, Eq. (3.2).
     """
 
     C: Floats
     offset: Floats
     length: Floats
+    rise: Floats
+    chord: bool = False
 
 
 @dataclass(frozen=True)
@@ -186,7 +189,7 @@ class Energy:
                 grid.direction.astype(np.float64),
                 grid.sigma.astype(np.float64),
             ),
-            *(grid.weight, bars.C, bars.offset, bars.length),
+            *(grid.weight, bars.C, bars.offset, bars.length, bars.rise, bars.chord),
         )
 
     def _in_threads(self, sweep: Callable[[Ints], None]) -> None:

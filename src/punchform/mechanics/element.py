@@ -1,4 +1,4 @@
-"""One wire between two crossings: its six modes D, their derivatives, and the second-order terms.
+"""One wire between two crossings, in the frame at O: its six modes D, their derivatives, and second-order terms.
 
 Stencil (docs/theory.md, sections 2 and 3; the wire drawn as it rises, sigma = +1)::
 
@@ -123,6 +123,20 @@ def second_order(t, j, n, n_b, t_b, pulls, K):
             K[9 + r, 9 + c] = 0.5 * (mixed_b + mixed_b_turned) - trace_b * unit
             K[9 + r, 3 + c] = trace_b * unit - mixed_b
             K[3 + c, 9 + r] = trace_b * unit - mixed_b
+
+
+@njit(cache=True, nogil=True)
+def expand(d, t, j, n, n_b, t_b, sigma, e, s, C, exact, D, F, g, J, K):
+    """Write modes D (6,), end force F (6,), gradient g (12,), rates J (6, 12) and, if exact, the second-order terms
+    K (12, 12) of Eq. (3.4); return the energy P(8) [mJ]."""
+    modes(d, t, j, n, n_b, t_b, sigma, e, s, D)
+    energy = end_force(C, D, F)
+    pulls = loads(d, t, j, n, n_b, t_b, sigma, e, F)
+    gradient(t, j, n, n_b, t_b, pulls, g)
+    mode_rates(d, t, j, n, n_b, t_b, sigma, e, J)
+    if exact:
+        second_order(t, j, n, n_b, t_b, pulls, K)
+    return energy
 
 
 @njit(cache=True, nogil=True)

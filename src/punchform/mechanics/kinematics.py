@@ -74,7 +74,9 @@ class FreeFrames:
     """Node frames are unknowns: two shifts on the punch (three without), two tilts, one spin per wire.
 
     surface: what the nodes lie on; held (N,): nodes that keep position and frames; welded: both wires share the spin;
-    pins: unknowns left out of the natural count, so that rigid motions are gone.
+    pins: unknowns left out of the natural count, so that rigid motions are gone; fixed (N, 3): directions in which a
+    node without a surface does not shift; odd: for the mirror planes x = 0 and y = 0 of a quarter, whether motions
+    change their sign across it instead of being mirrored.
     The slots of a node and wire are shift (2 or 3), tilt (2), spin (1).
     """
 
@@ -83,6 +85,8 @@ class FreeFrames:
     held: Bools
     welded: bool = False
     pins: tuple[int, ...] = ()
+    fixed: Bools | None = None
+    odd: tuple[bool, bool] = (False, False)
 
     @cached_property
     def shifts(self) -> int:
@@ -113,14 +117,17 @@ class FreeFrames:
 
     def _free(self) -> Bools:
         """Which of shift, tilt, spin 1, spin 2 are unknown, (N, shifts + 4)."""
-        across_x, across_y = self.grid.on_mirror.T
         free = np.ones((self.grid.nodes, self.shifts + 4), dtype=bool)
         tilt = self.shifts
-        # A mirror plane leaves shifts in the plane, the turn about its own normal, and no spin about the node normal.
-        free[across_x, 0] = free[across_x, tilt + 1] = False
-        free[across_y, 1] = free[across_y, tilt] = False
-        free[across_x | across_y, tilt + 2 :] = False
-        free[:, tilt + 2 :] &= self.grid.passes
+        free[:, tilt + 2 :] = self.grid.passes
+        for axis in range(2):
+            # A mirror plane leaves shifts in the plane, the turn about its own normal, and no spin about the node
+            # normal; a motion that changes sign across it has just the others.
+            even = np.ones(self.shifts + 4, dtype=bool)
+            even[[axis, tilt + 1 - axis, tilt + 2, tilt + 3]] = False
+            free[self.grid.on_mirror[:, axis]] &= ~even if self.odd[axis] else even
+        if self.fixed is not None:
+            free[:, :3] &= ~self.fixed
         if self.welded:
             free[:, tilt + 3] &= ~free[:, tilt + 2]
         free[self.held] = False

@@ -71,17 +71,21 @@ def minimise(
     linear: str = "auto",
     stage: str = "press",
     exact: bool = False,
+    scale: float = 0.0,
     observe: Observer = silent,
 ) -> Solution:
     """The minimum of the energy nearest to the start.
 
     tolerance: the solve ends when the Newton decrement, Eq. (5.1), falls below this fraction of the energy; the step
-    that belongs to it is still taken. Never raises for a solve that fails: `Solution.outcome` says how it ended.
+    that belongs to it is still taken. exact: begin with the exact Hessian, as from an equilibrium that changes
+    little. scale: an energy that is large here, as that before the tool left [mJ]: a grid that springs back to
+    nothing is done when it has lost all of it. Never raises for a solve that fails: `Solution.outcome` says how it
+    ended.
     """
     begun = perf_counter()
     solver = solver_for(energy.pattern, linear)
     tally = _Tally()
-    state, near, outcome, negative, largest = start, False, Outcome.STEP_LIMIT, None, 0.0
+    state, near, outcome, negative, largest = start, False, Outcome.STEP_LIMIT, None, scale
     for number in range(max_steps):
         chart = energy.kinematics.chart(state)
         try:
@@ -91,8 +95,8 @@ def minimise(
             break
         negative = direction.negative
         largest = max(largest, model.size)
-        scale = tolerance * max(model.size, tolerance * largest, _smallest_energy(energy))
-        if direction.decrement <= scale and exact and direction.push is None:
+        least = tolerance * max(model.size, tolerance * largest, _smallest_energy(energy))
+        if direction.decrement <= least and exact and direction.push is None:
             state, length = _last_step(energy, chart, model, direction), 1.0
             outcome = _ending(direction)
             _record(tally, number, model, direction, length, observe, stage)
@@ -102,7 +106,7 @@ def minimise(
         if after is None:
             outcome = Outcome.NO_DESCENT
             break
-        if direction.decrement <= scale and exact and gained <= model.rounding:
+        if direction.decrement <= least and exact and gained <= model.rounding:
             outcome = Outcome.SADDLE
             break
         state = after

@@ -48,7 +48,7 @@ def analyse(cliques: Sequence[Ints], count: int) -> Pattern:
 
 
 @njit(cache=True, nogil=True)
-def _owners(cliques, count):  # type: ignore[no-untyped-def]
+def _owners(cliques, count):
     """The cliques that each unknown belongs to: those of unknown a at owners[begin[a] : begin[a + 1]]."""
     begin = np.zeros(count + 2, dtype=np.int64)
     for m in range(cliques.shape[0]):
@@ -67,7 +67,7 @@ def _owners(cliques, count):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _upper(cliques, begin, owners):  # type: ignore[no-untyped-def]
+def _upper(cliques, begin, owners):
     """Upper CSR pattern of all pairs that share a clique; a first pass counts, a second writes and sorts."""
     count = len(begin) - 1
     indptr = np.zeros(count + 1, dtype=np.int64)

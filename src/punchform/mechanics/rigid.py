@@ -32,7 +32,7 @@ def free_motions(grid: Grid, kinematics: Kinematics, chart: Chart) -> tuple[int,
     followed = np.einsum("ncs,gnc->gns", shifts, generators) * (unknowns != UNUSED)
     missed = generators - np.einsum("ncs,gns->gnc", shifts, followed)
     # Singular values, not eigenvalues of the squares: what counts lies at the square root of rounding there.
-    triangle = np.linalg.qr(missed.reshape(len(missed), -1).T, mode="r")
+    triangle = qr(missed.reshape(len(missed), -1).T, mode="r")[0][: len(missed)]
     combinations, sizes, _ = np.linalg.svd(triangle.T)
     free = combinations[:, sizes < REPRESENTED * np.sqrt(grid.nodes)]
     if not free.size:

@@ -1,8 +1,9 @@
 """The loops over elements: where the kernels of `element` meet grids, charts and the sparse matrix.
 
 All are plain loops that compile once and release the interpreter lock. Arrays common to them: x, normals (N, 3);
-tangents (2 N, 3), row 2 node + family; family, start, end, direction, sigma, weight (M,); C (2, 6, 6), offset, length
-(2,) per family.
+tangents (2 N, 3), row 2 node + family; family, start, end, direction, sigma, weight (M,); C (2, 6, 6), offset, length,
+rise (2,) per family. With `chord` the elements are seen from their chords, Eq. (3.12), else from their frames at O,
+Eq. (3.2).
 """
 
 from __future__ import annotations
@@ -10,51 +11,56 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from punchform.mechanics.element import (
-    end_force,
-    gradient,
-    loads,
-    mode_rates,
-    modes,
-    second_order,
-    wire_ends,
-)
+from punchform.mechanics.chord import chord_modes, expand_chord
+from punchform.mechanics.element import end_force, expand, modes, wire_ends
 
 GAUSS_NEWTON, PROJECTED, EXACT = 0, 1, 2
 """Kinds of Hessian that `models` can make."""
 
 
 @njit(cache=True, nogil=True)
-def states(x, normals, tangents, family, start, end, direction, sigma, weight, C, offset, length, D, F, energies):
-    """Write modes D (M, 6), end forces F (M, 6) and energies (M,) of all elements: Eq. (3.2), P(3), P(8)."""
+def states(
+    x, normals, tangents, family, start, end, direction, sigma, weight, C, offset, length, rise, chord,
+    D, F, energies,
+):  # fmt: skip
+    """Write modes D (M, 6), end forces F (M, 6) and energies (M,) of all elements, P(3), P(8)."""
     for m in range(len(family)):
         w = family[m]
         ends = wire_ends(x, normals, tangents, family, start, end, direction, sigma, offset[w], m)
-        modes(*ends, sigma[m], offset[w], length[w], D[m])
+        if chord:
+            chord_modes(*ends, sigma[m], offset[w], rise[w], length[w], D[m])
+        else:
+            modes(*ends, sigma[m], offset[w], length[w], D[m])
         energies[m] = end_force(C[w], D[m], F[m])
 
 
 @njit(cache=True, nogil=True)
-def energies(x, normals, tangents, family, start, end, direction, sigma, weight, C, offset, length, energies):
+def energies(
+    x, normals, tangents, family, start, end, direction, sigma, weight, C, offset, length, rise, chord,
+    energies,
+):  # fmt: skip
     """Write the energies (M,) of all elements, P(8) [mJ]."""
     D, F = np.empty(6), np.empty(6)
     for m in range(len(family)):
         w = family[m]
         ends = wire_ends(x, normals, tangents, family, start, end, direction, sigma, offset[w], m)
-        modes(*ends, sigma[m], offset[w], length[w], D)
+        if chord:
+            chord_modes(*ends, sigma[m], offset[w], rise[w], length[w], D)
+        else:
+            modes(*ends, sigma[m], offset[w], length[w], D)
         energies[m] = end_force(C[w], D, F)
 
 
 @njit(cache=True, nogil=True)
 def models(
-    chosen, x, normals, tangents, family, start, end, direction, sigma, weight, C, offset, length,
+    chosen, x, normals, tangents, family, start, end, direction, sigma, weight, C, offset, length, rise, chord,
     R, places, kind, energies, G, values,
 ):  # fmt: skip
     """Add the chosen elements to G (2 N, 6) and to the sparse values; write their energies.
 
     G is the gradient to shifts and spin vectors; the Hessian is carried to the unknowns by R (2 N, 6, S):
-    Rᵀ Jᵀ C J R for the kind GAUSS_NEWTON, with the second-order terms of Eq. (3.4) for EXACT, and for PROJECTED
-    the latter with the negative eigenvalues of each element left out.
+    Rᵀ Jᵀ C J R for the kind GAUSS_NEWTON, with the second-order terms of Eq. (3.4) or (3.14) for EXACT, and for
+    PROJECTED the latter with the negative eigenvalues of each element left out.
     """
     exact = kind != GAUSS_NEWTON
     slots = R.shape[2]
@@ -65,18 +71,18 @@ def models(
     for number in range(len(chosen)):
         m = chosen[number]
         w = family[m]
-        e = offset[w]
         row_o, row_b = 2 * start[m] + w, 2 * end[m] + w
-        d, t, j, n, n_b, t_b = wire_ends(x, normals, tangents, family, start, end, direction, sigma, e, m)
-        modes(d, t, j, n, n_b, t_b, sigma[m], e, length[w], D)
-        energies[m] = end_force(C[w], D, F)
-        pulls = loads(d, t, j, n, n_b, t_b, sigma[m], e, F)
-        gradient(t, j, n, n_b, t_b, pulls, g)
+        ends = wire_ends(x, normals, tangents, family, start, end, direction, sigma, offset[w], m)
+        if chord:
+            energies[m] = expand_chord(
+                *ends, sigma[m], offset[w], rise[w], length[w], C[w], exact, D, F, g, J, K
+            )  # fmt: skip
+        else:
+            energies[m] = expand(*ends, sigma[m], offset[w], length[w], C[w], exact, D, F, g, J, K)
         for c in range(6):
             G[row_o, c] += weight[m] * g[c]
             G[row_b, c] += weight[m] * g[6 + c]
 
-        mode_rates(d, t, j, n, n_b, t_b, sigma[m], e, J)
         carry(J, R[row_o], R[row_b], JR)
         for k in range(6):
             for q in range(2 * slots):
@@ -85,7 +91,6 @@ def models(
                     total += C[w, k, r] * JR[r, q]
                 CJR[k, q] = total
         if exact:
-            second_order(t, j, n, n_b, t_b, pulls, K)
             carry(K, R[row_o], R[row_b], KR)
 
         for p in range(2 * slots):

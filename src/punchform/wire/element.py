@@ -54,6 +54,11 @@ class Element:
     asymmetry: float = 0.0
 
     @property
+    def wire_length(self) -> float:
+        """Length of the wire itself between two crossings [mm]; the step where the centreline is not known."""
+        return self.length if self.centreline is None else float(self.centreline.lengths.sum())
+
+    @property
     def B(self) -> Floats:
         """Flexibility, P(4): B = C⁻¹, (6, 6) [mm/N, 1/N, 1/(N mm)]."""
         return inverse(self.C)

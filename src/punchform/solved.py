@@ -1,0 +1,145 @@
+"""What a solve says of the whole grid: its wires, where its energy is, and how fast it came about."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from punchform.arrays import Floats
+from punchform.case import PressCase
+from punchform.grid import Grid
+from punchform.mechanics.assembly import Bars, Energy
+from punchform.mechanics.frames import State
+from punchform.mechanics.outcome import Outcome, Solution, Step
+from punchform.whole import Whole, unfold
+from punchform.wire import Element, axial_compliance, stress
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A stage that was solved: what all stages tell. Energies [mJ] are of the whole grid; seconds by what they were
+    spent on.
+
+    energy_kinds: stretch ½ D1 F1, bend ½ (D3 F3 + D5 F5), in_plane ½ (D2 F2 + D6 F6), twist ½ D4 F4, and what the
+    crossing springs hold. grid and state are of the solved part, `whole` is the whole grid.
+    """
+
+    grid: Grid
+    state: State
+    whole: Whole
+    outcome: Outcome
+    history: tuple[Step, ...]
+    energy: float
+    energy_kinds: dict[str, float]
+    steps: int
+    factorisations: int
+    negative_eigenvalues: int | None
+    linear_solver: str
+    seconds: dict[str, float]
+    notes: tuple[str, ...]
+
+    @property
+    def solved_nodes(self) -> int:
+        """Number of nodes that were solved."""
+        return self.grid.nodes
+
+    @property
+    def max_shear(self) -> float:
+        """Largest shear of a cell, without its sign [rad]."""
+        return float(np.abs(self.whole.cell_shear).max(initial=0.0))
+
+    @property
+    def max_axial_strain(self) -> float:
+        """Largest strain of a wire between two crossings by its pull, Eq. (3.9) [-]."""
+        return float(self.whole.axial_strain.max())
+
+
+def bars_of(elements: tuple[Element, Element], case: PressCase) -> Bars:
+    """What the energy needs to know of the wires, in the convention of offsets and the frame that the case asks for."""
+    share = 0.5 if case.offset == "centred" else 1.0
+    return Bars(
+        C=np.stack([element.C for element in elements]),
+        offset=np.array([share * element.height for element in elements]),
+        length=np.array([element.length for element in elements]),
+        rise=np.array([_rise(element) for element in elements]),
+        chord=case.chord,
+    )
+
+
+def _rise(element: Element) -> float:
+    """How far the wire itself rises [mm]: not at all where straight wires are stacked at the height of the element."""
+    return element.height if element.centreline is None else element.centreline.rise
+
+
+def solved(
+    energy: Energy,
+    solution: Solution,
+    elements: tuple[Element, Element],
+    contact: Floats,
+    yield_strength: float | None,
+) -> Solved:
+    """The stage that a solution makes, still without notes; contact (N,) as `unfold` takes it."""
+    whole = whole_of(energy, solution.state, elements, contact, yield_strength)
+    kinds = _kinds(whole) | {"crossing": energy.grid.copies * energy.springs(solution.state)}
+    return Solved(
+        grid=energy.grid,
+        state=solution.state,
+        whole=whole,
+        outcome=solution.outcome,
+        history=tuple(replace(step, energy=energy.grid.copies * step.energy) for step in solution.history),
+        energy=sum(kinds.values()),
+        energy_kinds=kinds,
+        steps=solution.steps,
+        factorisations=solution.factorisations,
+        negative_eigenvalues=solution.negative_eigenvalues,
+        linear_solver=solution.linear_solver,
+        seconds=solution.seconds,
+        notes=(),
+    )
+
+
+def whole_of(
+    energy: Energy, state: State, elements: tuple[Element, Element], contact: Floats, yield_strength: float | None
+) -> Whole:
+    """The whole grid in a state of its solved part."""
+    grid = energy.grid
+    D, F, energies = energy.elastic(state)
+    largest = np.empty(grid.elements)
+    for family, element in enumerate(elements):
+        largest[grid.family == family] = stress(element, F[grid.family == family])
+    return unfold(
+        grid,
+        state,
+        D=D,
+        F=F,
+        energy=energies,
+        contact=contact,
+        stress=largest,
+        axial_compliance=np.array([axial_compliance(element) for element in elements]),
+        yield_strength=yield_strength,
+    )
+
+
+def joined(passes: list[Solution]) -> Solution:
+    """All passes as one solution that ends like the last; its history is that of the first."""
+    # Every pass has a potential of its own, so only one belongs into a curve: the first, in which most happens.
+    return replace(
+        passes[-1],
+        history=passes[0].history,
+        steps=sum(one.steps for one in passes),
+        factorisations=sum(one.factorisations for one in passes),
+        evaluations=sum(one.evaluations for one in passes),
+        seconds={key: sum(one.seconds[key] for one in passes) for key in passes[-1].seconds},
+    )
+
+
+def _kinds(whole: Whole) -> dict[str, float]:
+    """The energy of all elements by what resists, [mJ]; the kinds add up to the energy."""
+    each = 0.5 * np.sum(whole.D * whole.F, axis=0)
+    return {
+        "stretch": float(each[0]),
+        "bend": float(each[2] + each[4]),
+        "in_plane": float(each[1] + each[5]),
+        "twist": float(each[3]),
+    }
