@@ -8,6 +8,7 @@ import numpy as np
 
 from punchform.arrays import Bools
 from punchform.case import CrossingSpring, PressCase, SolverCase
+from punchform.coarse import coarsened, doubled, refined
 from punchform.errors import InputError, NoEquilibrium
 from punchform.grid import Grid
 from punchform.mechanics.assembly import Energy, Hessian, Loads
@@ -25,12 +26,14 @@ from punchform.pull import Pull
 from punchform.punch import Surface
 from punchform.remarks import largest_pull, remarks, slide
 from punchform.solved import Solved, bars_of, joined, solved
-from punchform.start import begin
+from punchform.start import begin, flat_start
 from punchform.wire import Element
 
 FOLLOWED = 1e-9
 """The pull has found its direction when no wire end turns by more than this [rad] between two passes."""
 PULL_PASSES = 30
+ROUGH = 1e-6
+"""Relative decrement at which a coarser grid is near enough to start from."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,7 @@ def press(
     contradict each other and NoEquilibrium when the solve ends without an equilibrium.
     """
     solver = solver or SolverCase()
-    first, doubts = begin(grid, surface, case) if start is None else (start, ())
+    first, doubts = _begin(grid, elements, surface, case, crossing, solver) if start is None else (start, ())
     if crossing == "welded":
         first = squared(first)
     energy = energy_of(grid, elements, surface, case, crossing=crossing, start=first)
@@ -94,6 +97,30 @@ def press(
         solution = replace(solution, state=unturned(grid, solution.state))
     formed = _formed(energy, solution, elements, surface, case, yield_strength)
     return replace(formed, notes=formed.notes + doubts)
+
+
+def _begin(
+    grid: Grid,
+    elements: tuple[Element, Element],
+    surface: Surface,
+    case: PressCase,
+    crossing: str | CrossingSpring,
+    solver: SolverCase,
+) -> tuple[State, tuple[str, ...]]:
+    """The net; where there is none the answer of a coarser grid, and without that the flat start, with notes."""
+    first, doubts = begin(grid, surface, case)
+    coarse = coarsened(grid) if case.start == "net" and (doubts or case.rim == "clamp") else None
+    if coarse is None:
+        return first, doubts
+    wires = doubled(elements[0]), doubled(elements[1])
+    rough = SolverCase(linear=solver.linear, tolerance=max(ROUGH, solver.tolerance))
+    alike = case.model_copy(update={"frame": "chord", "kinematics": "free", "pull": None, "method": "newton"})
+    try:
+        answer = press(coarse, wires, surface, alike, crossing=crossing, solver=rough)
+    except (InputError, NoEquilibrium):
+        return first, doubts
+    held = clamped(grid, surface) if case.rim == "clamp" else np.zeros(grid.nodes, dtype=bool)
+    return refined(grid, flat_start(grid, surface), coarse, answer.state, surface, held), doubts
 
 
 def energy_of(
