@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from importlib.util import find_spec
 from typing import Protocol
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
 
-from punchform.arrays import Floats
+from punchform.arrays import Floats, Ints
 from punchform.errors import InputError
 from punchform.mechanics.pattern import Pattern
 
@@ -94,6 +94,36 @@ def upper_matrix(pattern: Pattern, values: Floats) -> csr_array:
     return csr_array((values, pattern.indices, pattern.indptr), shape=(n, n))
 
 
+@dataclass(frozen=True, eq=False)
+class _Structure:
+    """Where the entries of a matrix stand: what its analysis depends on, and nothing else."""
+
+    indptr: Ints
+    indices: Ints
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, _Structure)
+            and np.array_equal(self.indptr, other.indptr)
+            and np.array_equal(self.indices, other.indices)
+        )
+
+    def __hash__(self) -> int:
+        return hash((len(self.indptr), self.indices.tobytes()))
+
+
+@lru_cache(maxsize=1)
+def _dissected(structure: _Structure):  # type: ignore[no-untyped-def]
+    """The analysis of a pattern. The last one is kept: passes, stages and sweeps solve the same pattern again."""
+    import rslab
+
+    ones = np.ones(len(structure.indices))
+    n = len(structure.indptr) - 1
+    # The upper triangle by rows is the lower triangle by columns.
+    lower = csc_array((ones, structure.indices, structure.indptr), shape=(n, n))
+    return rslab.analyze(lower, path="ldlt", nemin=WIDER_SUPERNODES, **DISSECTION)
+
+
 @dataclass(frozen=True)
 class RslabSolver:
     """Supernodal L D Lᵀ of the package rslab."""
@@ -101,21 +131,11 @@ class RslabSolver:
     pattern: Pattern
     name: str = "rslab"
 
-    @cached_property
-    def _analysis(self):  # type: ignore[no-untyped-def]
-        import rslab
-
-        ones = np.ones(self.pattern.entries)
-        n = len(self.pattern.indptr) - 1
-        # The upper triangle by rows is the lower triangle by columns.
-        lower = csc_array((ones, self.pattern.indices, self.pattern.indptr), shape=(n, n))
-        return rslab.analyze(lower, path="ldlt", nemin=WIDER_SUPERNODES, **DISSECTION)
-
     def factor(self, values: Floats) -> Factor:
         """Factor the matrix with these upper CSR values; raises SingularMatrix."""
         _demand_finite(values)
         try:
-            factor = self._analysis.factor(values)
+            factor = _dissected(_Structure(self.pattern.indptr, self.pattern.indices)).factor(values)
         except RuntimeError as error:
             raise SingularMatrix(str(error)) from error
         return Factor(factor.solve, int(factor.inertia[1]), upper_matrix(self.pattern, values))
