@@ -7,7 +7,8 @@ Run, Formed and Whole.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from importlib.resources import files
 from pathlib import Path
@@ -18,6 +19,7 @@ import numpy as np
 from punchform.arrays import Floats, Ints
 
 if TYPE_CHECKING:
+    from punchform.accuracy import Accuracy
     from punchform.case import Case
     from punchform.run import Run
 
@@ -43,6 +45,7 @@ class FakeStep:
 @dataclass(frozen=True)
 class FakeWhole:
     index: Ints
+    between: Ints
     flat: Floats
     positions: Floats
     normals: Floats
@@ -59,6 +62,10 @@ class FakeWhole:
     stress_ratio: Floats
     cells: Ints
     cell_shear: Floats
+
+    @property
+    def crossings(self) -> int:
+        return len(self.index)
 
 
 @dataclass(frozen=True)
@@ -92,13 +99,78 @@ class FakeFormed:
 
 
 @dataclass(frozen=True)
+class FakeHeld:
+    count: int
+
+
+@dataclass(frozen=True)
+class FakeStability:
+    negative: int | None
+    mode: Floats | None
+
+
+@dataclass(frozen=True)
+class FakeReleased:
+    """As FakeFormed, with what a release adds."""
+
+    whole: FakeWhole
+    moved: Floats
+    reactions: Floats
+    energy: float
+    energy_kinds: dict[str, float]
+    history: tuple[FakeStep, ...]
+    max_shear: float
+    max_axial_strain: float
+    stability: FakeStability
+    hold: FakeHeld = FakeHeld(12)
+    outcome: FakeOutcome = FakeOutcome.CONVERGED
+    steps: int = 9
+    factorisations: int = 10
+    negative_eigenvalues: int | None = 0
+    solved_nodes: int = 1703
+    linear_solver: str = "scipy"
+    seconds: dict[str, float] = field(default_factory=lambda: {"total": 0.9})
+    notes: tuple[str, ...] = ()
+    largest_reaction: float = 4.2
+
+    @property
+    def apex(self) -> float:
+        return float(self.moved[np.argmin(np.linalg.norm(self.whole.flat, axis=1)), 2])
+
+    @property
+    def lowest(self) -> int:
+        return int(self.moved[:, 2].argmin())
+
+    @property
+    def max_sag(self) -> float:
+        return float(self.moved[:, 2].min())
+
+
+@dataclass(frozen=True)
+class FakeLoaded(FakeReleased):
+    """As FakeReleased, with what a load adds."""
+
+    applied: Floats = field(default_factory=lambda: np.zeros((1, 3)))
+    compliance: float = 0.04
+    mass: float | None = None
+    load: float = 3.35
+    rms_deflection: float = 0.13
+    largest_deflection: float = 0.3
+
+
+@dataclass(frozen=True)
 class FakeRun:
     case: Case
     formed: FakeFormed
-    released: None = None
-    accuracy: None = None
+    released: FakeReleased | None = None
+    loaded: FakeLoaded | None = None
+    accuracy: Accuracy | None = None
     notes: tuple[str, ...] = ()
     seconds: float = 2.5
+
+    @property
+    def final(self) -> FakeFormed | FakeReleased:
+        return self.formed if self.released is None else self.released
 
 
 def check_case() -> Case:
@@ -140,6 +212,61 @@ def fake_run(
     return cast("Run", FakeRun(case.model_copy(update={"grid": grid, "wire": wire}), formed, notes=notes))
 
 
+def let_go(
+    run: Run,
+    shift: Callable[[Floats, Floats], Floats],
+    *,
+    release: dict[str, object] | None = None,
+    target: dict[str, object] | None = None,
+    load: dict[str, object] | None = None,
+    negative: int | None = 0,
+    mode: bool = False,
+) -> Run:
+    """A fake run whose nodes the release moves by shift(rho, angle) [mm] along z; sections as in a case file.
+
+    Without `release` the formed grid is what is measured; without `target` nothing is.
+    """
+    from punchform.accuracy import measure_case
+    from punchform.case import LoadCase, ReleaseCase, TargetCase
+
+    whole = cast("FakeWhole", run.formed.whole)
+    x, y, _ = whole.positions.T
+    moved = np.zeros_like(whole.positions)
+    moved[:, 2] = shift(np.hypot(x, y), np.arctan2(y, x))
+    after = replace(whole, positions=whole.positions + moved)
+    modes = np.column_stack((0 * x, 0 * x, np.sin(np.arctan2(y, x)))) if mode else None
+    told = {
+        "whole": after,
+        "moved": moved,
+        "reactions": 0.1 * moved,
+        "energy": 0.4 * run.formed.energy,
+        "energy_kinds": {kind: 0.4 * part for kind, part in run.formed.energy_kinds.items()},
+        "history": run.formed.history,
+        "max_shear": run.formed.max_shear,
+        "max_axial_strain": run.formed.max_axial_strain,
+        "stability": FakeStability(negative, modes),
+    }
+    wanted = None if target is None else TargetCase.model_validate(target)
+    accuracy = None
+    if wanted is not None:
+        top = float(whole.positions[:, 2].max())
+        accuracy = measure_case(after.positions, whole.cells, wanted, apex_height=top)
+    sections = {
+        "release": None if release is None else ReleaseCase.model_validate(release),
+        "target": wanted,
+        "load": None if load is None else LoadCase.model_validate(load),
+    }
+    done = FakeRun(
+        run.case.model_copy(update=sections),
+        cast("FakeFormed", run.formed if release is not None else replace(run.formed, whole=after)),  # type: ignore[arg-type]
+        None if release is None else FakeReleased(**told),  # type: ignore[arg-type]
+        None if load is None else FakeLoaded(**told),  # type: ignore[arg-type]
+        accuracy,
+        notes=run.notes,
+    )
+    return cast("Run", done)
+
+
 def _history(energy: float) -> tuple[FakeStep, ...]:
     """Newton near its end: the error is squared at every step."""
     errors = 3.0 ** -(2.0 ** np.arange(7))
@@ -168,6 +295,7 @@ def _whole(step: float, radius: float, focal: float, yield_strength: float | Non
     angle = np.arctan2(positions[:, 1], positions[:, 0])
     return FakeWhole(
         index=index,
+        between=np.zeros(len(index), dtype=np.int64),
         flat=flat,
         positions=positions,
         normals=normals,

@@ -18,6 +18,7 @@ BENCHMARKS = ROOT / "benchmarks"
 PAGES = {
     "net.py": ("performance.md", ("net",)),
     "press_scaling.py": ("performance.md", ("press",)),
+    "release_scaling.py": ("performance.md", ("release",)),
     "against_others.py": ("performance.md", ("others", "rods")),
     "descent_against_newton.py": ("paper.md", ("descent",)),
     "linear_solvers.py": ("decisions/linear-solver.md", ("solvers",)),

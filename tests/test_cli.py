@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -284,6 +285,42 @@ def test_form_prints_its_results_and_nothing_else(
     assert main(["form", "again.toml", "-o", "out", "--overwrite"]) == Exit.DONE
     assert "  outcome         converged to a minimum\n" in capsys.readouterr().out
     assert Path("out/nodes.csv").read_text(encoding="utf-8") == before
+
+
+AFTER = """
+[release]
+hold = { from_radius = 150 }
+[load]
+pressure = "1 Pa"
+[target]
+profile = { kind = "paraboloid", focal_length = 150 }
+aperture_radius = 120
+tolerance = "1 um"
+"""
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "code", "words"), [("1 um", Exit.OUT_OF_TOLERANCE, "out of"), ("90 mm", Exit.DONE, "within")]
+)
+def test_form_lets_go_loads_and_judges(
+    tolerance: str,
+    code: Exit,
+    words: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("dish.toml").write_text(COARSE + AFTER.replace("1 um", tolerance), encoding="utf-8")
+    assert main(["form", "dish.toml", "-o", "out"]) == code
+    facts = dict(re.findall(r"^  (\w[\w ]*?) {2,}(.*)$", capsys.readouterr().out, re.MULTILINE))
+    assert "mJ left; apex" in facts["released"]
+    assert "N move the shape by" in facts["loaded"]
+    assert f"{words} the tolerance of" in facts["accuracy"]
+    content = json.loads(Path("out/result.json").read_text(encoding="utf-8"))
+    assert content["accuracy"]["judged_on"]["within"] is (code is Exit.DONE)
+    assert content["released"]["energy_mJ"] < content["formed"]["energy_mJ"]
+    assert 'id="accuracy"' in Path("out/report.html").read_text(encoding="utf-8")
 
 
 def test_form_without_equilibrium_ends_with_3_and_writes_nothing(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import xml.etree.ElementTree as ET
 from dataclasses import replace
@@ -10,8 +11,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fake_run import FakeOutcome, fake_run
+from fake_run import FakeOutcome, fake_run, let_go
 
+from punchform.accuracy import MEASURES
 from punchform.arrays import Floats
 from punchform.export.result import result_json
 from punchform.export.tables import NODE_COLUMNS, WIRE_COLUMNS, nodes_csv, wires_csv
@@ -168,6 +170,33 @@ def test_vtk_reads_back_every_array(tmp_path: Path) -> None:
         assert {data.GetArrayName(k) for k in range(data.GetNumberOfArrays())} == set(expected)
         for name, values in expected.items():
             np.testing.assert_array_equal(to_numpy(data.GetArray(name)), values)
+
+
+def test_the_vtk_file_holds_the_deviations_that_are_judged(tmp_path: Path) -> None:
+    run = let_go(
+        fake_run(),
+        lambda rho, angle: 2 + 0 * rho,
+        release={"hold": "rim"},
+        target={
+            "profile": {"kind": "paraboloid", "focal_length": 250.0},
+            "aperture_radius": 200.0,
+            "tolerance": 1.0,
+            "alignment": "best fit",
+        },
+    )
+    assert run.accuracy is not None
+    write_vtp(tmp_path / "shape.vtp", run.formed, None, run.accuracy)
+    found = ET.fromstring((tmp_path / "shape.vtp").read_text("ascii")).findall(".//PointData/DataArray")
+    arrays = {array.get("Name"): base64.b64decode(array.text or "")[8:] for array in found}
+    for measure, values in ((one, run.accuracy.fitted.deviations.of(one)) for one in MEASURES):
+        read = np.frombuffer(arrays[f"deviation_{measure.replace('-', '_')}"])
+        np.testing.assert_array_equal(read, values)
+
+
+def test_the_wires_of_the_released_stage_have_the_same_table() -> None:
+    run = let_go(fake_run(), lambda rho, angle: 0 * rho, release={"hold": "rim"})
+    assert run.released is not None
+    assert wires_csv(run.released) == wires_csv(run.formed)
 
 
 def test_the_vtk_file_is_valid_xml_whatever_the_names() -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from fake_run import fake_run
+from fake_run import fake_run, let_go
 
 from punchform.case import read_case
 from punchform.errors import InputError
@@ -48,6 +48,20 @@ def test_what_was_written_is_read_back(run: Run, tmp_path: Path) -> None:
     assert stored.wires["energy_mJ"].sum() == pytest.approx(run.formed.energy, rel=1e-12)
     assert np.isnan(stored.wires["stress_ratio"]).all()
     assert read_case(stored.folder / "case.toml") == run.case
+
+
+def test_the_wires_of_a_released_run_are_written_and_read_back(run: Run, tmp_path: Path) -> None:
+    assert read_run(write_run(run, tmp_path / "formed")).wires_released is None
+    gone = let_go(run, lambda rho, angle: -0.01 * rho, release={"hold": "rim"})
+    folder = write_run(gone, tmp_path / "released")
+    assert names(folder) == FILES | {"wires_released.csv"}
+    stored = read_run(folder)
+    assert stored.wires_released is not None
+    assert gone.released is not None
+    assert stored.wires_released["energy_mJ"].sum() == pytest.approx(gone.released.whole.energy.sum(), rel=1e-12)
+    np.testing.assert_allclose(
+        stored.nodes["zr"], stored.nodes["z"] - 0.01 * np.hypot(stored.nodes["x"], stored.nodes["y"])
+    )
 
 
 def test_extras_write_into_the_same_folder(run: Run, tmp_path: Path) -> None:

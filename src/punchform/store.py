@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from punchform.run import Run
 
 RESULT, CASE, NODES, WIRES, SHAPE = "result.json", "case.toml", "nodes.csv", "wires.csv", "shape.vtp"
+WIRES_RELEASED = "wires_released.csv"
 _WHOLE_NUMBERS = {"family", "i", "j"}
 
 Extra = Callable[["Run", Path], None]
@@ -35,13 +36,14 @@ class StoredRun:
 
     Attributes: folder; result, the content of result.json; nodes and wires, structured arrays with the
     columns of nodes.csv and wires.csv as fields (`stored.nodes["x"]` is (N,) in mm), NaN where the file has
-    an empty cell.
+    an empty cell; wires_released, the same of the released stage, None without one.
     """
 
     folder: Path
     result: Mapping[str, Any]
     nodes: NDArray[np.void]
     wires: NDArray[np.void]
+    wires_released: NDArray[np.void] | None = None
 
 
 def check_folder(folder: str | Path, *, overwrite: bool = False) -> Path:
@@ -77,7 +79,8 @@ def check_folder(folder: str | Path, *, overwrite: bool = False) -> Path:
 
 
 def write_run(run: Run, folder: str | Path, *, overwrite: bool = False, extras: Sequence[Extra] = ()) -> Path:
-    """Write the run folder and return its path: case.toml, result.json, nodes.csv, wires.csv, shape.vtp.
+    """Write the run folder and return its path: case.toml, result.json, nodes.csv, wires.csv, shape.vtp, and with a
+    release wires_released.csv.
 
     `extras` are called as `extra(run, folder)` to add files of their own (the report). Whole or not at all, see
     `write_folder`, and raises what that raises.
@@ -130,7 +133,9 @@ def read_run(folder: str | Path) -> StoredRun:
             where=str(folder),
             hint="give the folder that `punchform form CASE -o FOLDER` wrote",
         )
-    return StoredRun(path, content, _read_table(path / NODES, NODE_COLUMNS), _read_table(path / WIRES, WIRE_COLUMNS))
+    nodes, wires = _read_table(path / NODES, NODE_COLUMNS), _read_table(path / WIRES, WIRE_COLUMNS)
+    after = path / WIRES_RELEASED
+    return StoredRun(path, content, nodes, wires, _read_table(after, WIRE_COLUMNS) if after.exists() else None)
 
 
 def _keep_precious(path: Path, where: str) -> None:
@@ -168,7 +173,9 @@ def _write_files(run: Run, folder: Path) -> None:
     released = None if run.released is None else run.released.whole.positions
     write_nodes(folder / NODES, run.formed, released)
     write_wires(folder / WIRES, run.formed)
-    write_vtp(folder / SHAPE, run.formed, released)
+    if run.released is not None:
+        write_wires(folder / WIRES_RELEASED, run.released)
+    write_vtp(folder / SHAPE, run.formed, released, run.accuracy)
 
 
 def _put_in_place(aside: Path, target: Path) -> None:

@@ -238,3 +238,13 @@ def test_the_flat_grid_on_a_plane_is_without_energy() -> None:
             np.broadcast_to(np.eye(3)[:2], (laid.nodes, 2, 3)),
         )
         assert energy_of(free_frames(laid)).at(state) < 1e-20
+
+
+@pytest.mark.parametrize("name", ENERGIES)
+def test_the_gradient_without_a_matrix_is_that_of_the_model(name: str) -> None:
+    energy = ENERGIES[name]()
+    chart = energy.kinematics.chart(somewhere(energy))
+    alone, model = energy.gradient(chart), energy.model(chart, Hessian.EXACT)
+    assert (alone.energy, alone.size, alone.rounding) == (model.energy, model.size, model.rounding)
+    np.testing.assert_array_equal(alone.gradient, model.gradient)
+    np.testing.assert_array_equal(alone.G, model.G)

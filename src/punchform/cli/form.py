@@ -46,7 +46,7 @@ def summary(done: Run, folder: Path) -> str:
     """What a person wants to know first about a run, in a few lines."""
     formed, whole = done.formed, done.formed.whole
     facts = {
-        "grid": f"{len(whole.index)} crossings, {len(whole.family)} wire pieces; "
+        "grid": f"{whole.crossings} crossings, {len(whole.family)} wire pieces; "
         f"{formed.solved_nodes} crossings solved",
         "outcome": formed.outcome.value,
         "energy": f"{formed.energy:.7g} mJ",

@@ -36,7 +36,7 @@ def result(run: Run) -> dict[str, object]:
         "version": __version__,
         "case_title": run.case.title,
         "grid": {
-            "nodes": len(whole.positions),
+            "nodes": whole.crossings,
             "elements": len(whole.family),
             "solved_nodes": run.formed.solved_nodes,
         },

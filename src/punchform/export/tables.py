@@ -1,4 +1,4 @@
-"""nodes.csv and wires.csv: the numbers of a formed grid, one row per node and one per wire element."""
+"""nodes.csv and wires.csv: the numbers of a grid, one row per node and one per wire element."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from punchform.arrays import Floats, Ints
 
 if TYPE_CHECKING:
     from punchform.press import Formed
+    from punchform.solved import Solved
 
 NODE_COLUMNS = ("i", "j", "x0", "y0", "x", "y", "z", "xr", "yr", "zr", "contact_force")
 WIRE_COLUMNS = (
@@ -23,7 +24,7 @@ _ROWS_AT_ONCE = 20_000
 
 
 def nodes_csv(formed: Formed, released: Floats | None = None) -> str:
-    """The text of nodes.csv: the whole grid, sorted by i, then j.
+    """The text of nodes.csv: all crossings and wire ends of the whole grid, sorted by i, then j.
 
     Parameters: the formed grid; released positions (N, 3) [mm] in the order of its nodes, None before a
     release. Columns: indices, flat x0, y0 [mm], formed x, y, z [mm], released xr, yr, zr [mm] (empty without
@@ -33,19 +34,22 @@ def nodes_csv(formed: Formed, released: Floats | None = None) -> str:
     whole = formed.whole
     after = np.full_like(whole.positions, np.nan) if released is None else released
     order = np.lexsort((whole.index[:, 1], whole.index[:, 0]))
+    order = order[whole.between[order] == 0]
     values = np.column_stack((whole.flat[:, :2], whole.positions, after, whole.contact))
     return _csv(NODE_COLUMNS, whole.index[order], values[order])
 
 
-def wires_csv(formed: Formed) -> str:
-    """The text of wires.csv: one row per element, sorted by family and by the indices (i, j) of its end O.
+def wires_csv(stage: Solved) -> str:
+    """The text of wires.csv (formed) or wires_released.csv: one row per element, sorted by family and by the indices
+    (i, j) of its end O; of a wire cut between crossings one row per piece, from O outwards, all with its (i, j).
 
     Columns: D1-D6 [mm, rad] and F1-F6 [N, N mm] in element axes (Eq. (2.1), P(3)), energy [mJ], axial strain,
     stress_ratio = largest stress over the yield strength (empty when either is unknown).
     """
-    whole = formed.whole
-    start, end = whole.index[whole.start], whole.index[whole.end]
-    order = np.lexsort((end[:, 1], end[:, 0], start[:, 1], start[:, 0], whole.family))
+    whole = stage.whole
+    start = whole.index[whole.start]
+    outwards = np.sum(whole.flat[whole.end] - whole.flat[whole.start], axis=1) > 0
+    order = np.lexsort((whole.between[whole.start], outwards, start[:, 1], start[:, 0], whole.family))
     labels = np.column_stack((whole.family, start))
     values = np.column_stack((whole.D, whole.F, whole.energy, whole.axial_strain, whole.stress_ratio))
     return _csv(WIRE_COLUMNS, labels[order], values[order])
@@ -56,9 +60,9 @@ def write_nodes(path: Path, formed: Formed, released: Floats | None = None) -> N
     path.write_text(nodes_csv(formed, released), encoding="utf-8", newline="\n")
 
 
-def write_wires(path: Path, formed: Formed) -> None:
-    """Write wires.csv; see `wires_csv`. Raises OSError."""
-    path.write_text(wires_csv(formed), encoding="utf-8", newline="\n")
+def write_wires(path: Path, stage: Solved) -> None:
+    """Write the wires of a stage; see `wires_csv`. Raises OSError."""
+    path.write_text(wires_csv(stage), encoding="utf-8", newline="\n")
 
 
 def _csv(columns: tuple[str, ...], labels: Ints, values: Floats) -> str:

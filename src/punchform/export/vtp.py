@@ -16,6 +16,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
+from punchform.accuracy import MEASURES, Accuracy, Aligned
 from punchform.arrays import Floats, Ints
 
 if TYPE_CHECKING:
@@ -25,13 +26,14 @@ Array = NDArray[np.float64] | NDArray[np.int64]
 _TYPES = {"float64": "Float64", "int64": "Int64"}
 
 
-def write_vtp(path: Path, formed: Formed, released: Floats | None = None) -> None:
+def write_vtp(path: Path, formed: Formed, released: Floats | None = None, accuracy: Accuracy | None = None) -> None:
     """Write the formed grid, and with `released` (N, 3) [mm] also where its nodes are after the release.
 
     Point data: i, j, flat, displacement (formed - flat), normal (of the node frame), contact_force [N], shear [rad]
     (mean of the cells around the node, NaN without a cell), and released, springback (released - formed) when given;
-    lengths in mm. Cell data per element: family, axial_force F1 [N], axial_strain, energy [mJ]. Raises
-    OSError.
+    with `accuracy` deviation_axial, deviation_normal and deviation_half_path in the alignment that is judged, also
+    outside the aperture; lengths in mm. Cell data per element: family, axial_force F1 [N], axial_strain, energy [mJ].
+    Raises OSError.
     """
     whole = formed.whole
     points: dict[str, Array] = {
@@ -45,6 +47,9 @@ def write_vtp(path: Path, formed: Formed, released: Floats | None = None) -> Non
     }
     if released is not None:
         points |= {"released": released, "springback": released - whole.positions}
+    if accuracy is not None:
+        found = judging(accuracy).deviations
+        points |= {f"deviation_{measure.replace('-', '_')}": found.of(measure) for measure in MEASURES}
     wires: dict[str, Array] = {
         "family": whole.family,
         "axial_force": whole.F[:, 0],
@@ -53,6 +58,11 @@ def write_vtp(path: Path, formed: Formed, released: Floats | None = None) -> Non
     }
     lines = np.column_stack((whole.start, whole.end))
     path.write_text(poly_lines(whole.positions, lines, points, wires), encoding="ascii", newline="\n")
+
+
+def judging(accuracy: Accuracy) -> Aligned:
+    """The alignment in which the shape is judged."""
+    return accuracy.as_held if accuracy.judge.alignment == "as held" else accuracy.fitted
 
 
 def node_shear(nodes: int, cells: Ints, cell_shear: Floats) -> Floats:

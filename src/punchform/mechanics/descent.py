@@ -121,7 +121,7 @@ def _best_length(energy: Energy, chart: Chart, model: Model) -> float:
 def _fixed(energy: Energy, state: State, length: float) -> Iterator[_Taken]:
     while True:
         chart = energy.kinematics.chart(state)
-        model = energy.model(chart, Hessian.GAUSS_NEWTON)
+        model = energy.gradient(chart)
         after = chart.moved(-length * model.gradient)
         if not _lower(energy, after, model.energy):
             return
@@ -133,7 +133,7 @@ def _reused(energy: Energy, state: State, first: float) -> Iterator[_Taken]:
     length = first
     while length >= SHORTEST * first:
         chart = energy.kinematics.chart(state)
-        model = energy.model(chart, Hessian.GAUSS_NEWTON)
+        model = energy.gradient(chart)
         reached, value = 0, model.energy
         while _lower(energy, after := chart.moved(-(reached + 1) * length * model.gradient), value):
             reached, state = reached + 1, after

@@ -6,17 +6,24 @@ from __future__ import annotations
 import base64
 import math
 import platform
+import re
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
 
 from punchform import __version__
 from punchform.case import write_case
 from punchform.export.result import all_notes, largest
-from punchform.report.figures.gallery import Picture, gallery
+from punchform.report.accuracy_words import accuracy_lead, advice
+from punchform.report.after import after_sections
+from punchform.report.figures.gallery import gallery
 from punchform.report.figures.style import save
+from punchform.report.release_words import load_words, release_words
+from punchform.report.section import Images, Section, Tables
+from punchform.report.section import Rows as Rows
 from punchform.report.words import energy, percent, size, verdict
 
 if TYPE_CHECKING:
@@ -24,6 +31,7 @@ if TYPE_CHECKING:
     from punchform.run import Run
 
 PAGE, FIGURES = "report.html", "figures"
+CODE = re.compile("`([^`]+)`")
 LIBRARIES = ("numpy", "scipy", "numba", "matplotlib")
 KINDS = {
     "stretch": "stretching",
@@ -33,9 +41,6 @@ KINDS = {
     "crossing": "turning of the crossings",
 }
 
-Rows = tuple[tuple[str, str], ...]
-Tables = tuple[tuple[str, Rows], ...]
-
 
 def write_report(run: Run, folder: Path) -> None:
     """Write `folder`/figures/*.png and `folder`/report.html. Raises OSError when the disk refuses."""
@@ -43,7 +48,7 @@ def write_report(run: Run, folder: Path) -> None:
     (folder / PAGE).write_text(page(run, images), encoding="utf-8", newline="\n")
 
 
-def draw_figures(run: Run, folder: Path) -> tuple[tuple[Picture, Path], ...]:
+def draw_figures(run: Run, folder: Path) -> Images:
     """Draw every figure of the run into a folder, made if need be; each with the file that shows it."""
     folder.mkdir(parents=True, exist_ok=True)
     drawn = []
@@ -54,19 +59,40 @@ def draw_figures(run: Run, folder: Path) -> tuple[tuple[Picture, Path], ...]:
     return tuple(drawn)
 
 
-def page(run: Run, images: tuple[tuple[Picture, Path], ...]) -> str:
+def page(run: Run, images: Images) -> str:
     """The HTML of the report of a run."""
     return render(
         run.case,
         subtitle="A flat grid of wires formed over a punch: what punchform expects",
-        good=run.formed.outcome.name == "CONVERGED",
-        verdict=verdict(run),
-        results=(("Result", _result_rows(run)), ("Grid and tool", _grid_rows(run))),
+        good=is_good(run),
+        lead=accuracy_lead(run),
+        advice=advice(run),
+        verdict=(*release_words(run), *load_words(run), *press_words(run)),
+        sections=after_sections(run),
+        results=(("In the tool", _result_rows(run)), ("Grid and tool", _grid_rows(run))),
         details_title="Energy and solve",
         details=(("Where the energy is", _energy_rows(run)), ("Solve", _solve_rows(run))),
         images=images,
         notes=all_notes(run),
-        beside="nodes.csv and wires.csv (tables), shape.vtp (for ParaView), result.json, case.toml",
+        beside="nodes.csv and wires*.csv (tables), shape.vtp (for ParaView), result.json, case.toml",
+    )
+
+
+def is_good(run: Run) -> bool:
+    """Whether all stages ended in a minimum that the whole grid keeps, within the tolerance."""
+    stages = [stage for stage in (run.formed, run.released, run.loaded) if stage is not None]
+    leaves = run.released is not None and bool(run.released.stability.negative)
+    out = run.accuracy is not None and run.accuracy.within is False
+    return all(stage.outcome.name == "CONVERGED" for stage in stages) and not leaves and not out
+
+
+def press_words(run: Run) -> tuple[str, ...]:
+    """The verdict on the press, introduced where other stages are told of before it."""
+    said = verdict(run)
+    return (
+        said
+        if run.released is None and run.accuracy is None
+        else (f"In the tool {said[0][:1].lower()}{said[0][1:]}", *said[1:])
     )
 
 
@@ -79,11 +105,19 @@ def render(
     results: Tables,
     details_title: str,
     details: Tables,
-    images: tuple[tuple[Picture, Path], ...],
+    images: Images,
     notes: tuple[str, ...],
     beside: str,
+    lead: tuple[str, ...] = (),
+    advice: tuple[str, ...] = (),
+    sections: tuple[Section, ...] = (),
 ) -> str:
-    """A page of words, tables and figures on a case; images are embedded, and all text from the case is escaped."""
+    """A page of words, tables and figures on a case; images are embedded, and all text from the case is escaped.
+
+    lead: what comes first; sections: told before the results, each with the images that belong to it.
+    """
+    figures = [(picture, _embedded(path)) for picture, path in images]
+    named = {section.name for section in sections}
     environment = Environment(
         loader=PackageLoader("punchform.report"),
         autoescape=True,
@@ -91,20 +125,29 @@ def render(
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["spoken"] = spoken
     return environment.get_template("report.html.j2").render(
         title=case.title or "Formed grid",
         subtitle=subtitle,
         good=good,
+        lead=lead,
+        advice=advice,
         verdict=verdict,
+        sections=[(section, [pair for pair in figures if pair[0].section == section.name]) for section in sections],
         results=results,
         details_title=details_title,
         details=details,
-        figures=[(picture, _embedded(path)) for picture, path in images],
+        figures=[pair for pair in figures if pair[0].section not in named],
         notes=notes,
         case_text=write_case(case),
         beside=beside,
         versions=_versions(),
     )
+
+
+def spoken(text: str) -> Markup:
+    """A sentence as HTML: escaped, with `settings` between backticks set as code."""
+    return Markup(CODE.sub(r"<code>\1</code>", str(escape(text))))
 
 
 def _embedded(path: Path) -> str:

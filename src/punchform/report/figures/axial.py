@@ -1,4 +1,4 @@
-"""Plan of the formed grid with the axial force in the wires of one family."""
+"""Plan of the grid with the axial force in the wires of one family."""
 
 from __future__ import annotations
 
@@ -16,16 +16,20 @@ from punchform.report.figures.style import (
     in_colour,
     new_figure,
     plan_axes,
-    points_per_mm,
+    wire_width,
 )
 
 if TYPE_CHECKING:
     from punchform.run import Run
+    from punchform.whole import Whole
 
 
-def draw_axial(run: Run, family: int) -> Figure:
-    """Every element of family 1 or 2 as a line coloured by F1, on the scale of both, symmetric about zero."""
-    whole = run.formed.whole
+def draw_axial(run: Run, family: int, whole: Whole | None = None) -> Figure:
+    """Every element of family 1 or 2 as a line coloured by F1, on the scale of both, symmetric about zero.
+
+    whole: the grid in the stage to be shown, the formed one unless given.
+    """
+    whole = whole or run.formed.whole
     mine = whole.family == family
     force = whole.F[mine, 0]
     segments = whole.positions[np.column_stack((whole.start, whole.end))[mine]][:, :, :2]
@@ -34,9 +38,7 @@ def draw_axial(run: Run, family: int) -> Figure:
     axes = plan_axes(figure, points=whole.positions, rim=run.case.punch.rim_radius)
     axes.set_facecolor(PAPER)
     # The wires of a family lie side by side at the step of the other family.
-    apart = run.case.grid.step[2 - family] * points_per_mm(axes)
-    # Gaps of less than half a point would only make a moiré: such wires are drawn touching.
-    width = min(0.75 * apart, 2.5) if apart > 2 else 1.1 * apart
+    width = wire_width(axes, run.case.grid.step[2 - family])
     axes.add_collection(in_colour(segments, force, scale, DIVERGING, width=width))
     force_bar(figure, scale, "axial force F1 [N]   (+ tension)")
     return figure

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from punchform.report.figures.style import (
@@ -16,6 +15,7 @@ from punchform.report.figures.style import (
     in_colour,
     new_figure,
     plan_axes,
+    squares,
 )
 
 if TYPE_CHECKING:
@@ -25,15 +25,14 @@ LABEL = "contact force [N]   (+ punch pushes, − held down)"
 
 
 def draw_contact(run: Run) -> Figure:
-    """Every node as a square coloured by its contact force, on a scale symmetric about zero."""
+    """Every crossing as a square coloured by its contact force, on a scale symmetric about zero."""
     whole = run.formed.whole
     figure = new_figure(*HALF)
     axes = plan_axes(figure, points=whole.positions, rim=run.case.punch.rim_radius)
     axes.set_facecolor(PAPER)
-    # Half the square around the node: neighbours touch, so that no pattern of gaps appears.
-    half = 0.52 * np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]) * run.case.grid.step
-    squares = whole.positions[:, None, :2] + half
     scale = about_zero(whole.contact)
-    axes.add_collection(in_colour(squares, whole.contact, scale, DIVERGING, width=0.0))
+    shown = slice(whole.crossings)
+    places, force = squares(whole.positions[shown], run.case.grid.step), whole.contact[shown]
+    axes.add_collection(in_colour(places, force, scale, DIVERGING, width=0.0))
     force_bar(figure, scale, LABEL)
     return figure

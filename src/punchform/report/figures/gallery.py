@@ -2,34 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-from matplotlib.figure import Figure
+import numpy as np
 
+from punchform.report.figures.after import accuracy_pictures, loaded_pictures, released_pictures
 from punchform.report.figures.axial import draw_axial
 from punchform.report.figures.contact import draw_contact
+from punchform.report.figures.picture import Picture as Picture
 from punchform.report.figures.progress import draw_progress
 from punchform.report.figures.sections import draw_sections
 from punchform.report.figures.shape import draw_shape
 from punchform.report.figures.shear import draw_shear
+from punchform.report.figures.stress import draw_stress
 
 if TYPE_CHECKING:
     from punchform.run import Run
-
-
-@dataclass(frozen=True)
-class Picture:
-    """One figure: its file name without ending, its heading, how to read it, what draws it, half or whole
-    width."""
-
-    name: str
-    title: str
-    caption: str
-    draw: Callable[[Run], Figure]
-    wide: bool = False
 
 
 GALLERY = (
@@ -72,6 +61,13 @@ GALLERY = (
         partial(draw_axial, family=2),
     ),
     Picture(
+        "stress",
+        "Stress in the wires, in the tool",
+        "Plan view. The largest stress in each wire piece, both families. Where it passes the yield strength the wire "
+        "stays bent, which this elastic answer does not follow.",
+        draw_stress,
+    ),
+    Picture(
         "sections",
         "Sections",
         "Formed nodes within half a step of the section against the punch, with the nodes of the flat blank "
@@ -89,8 +85,12 @@ GALLERY = (
 
 
 def gallery(run: Run) -> tuple[Picture, ...]:
-    """The figures this run can show: no progress without two recorded steps, no surface without a cell."""
+    """The figures this run can show, section by section: no progress without two recorded steps, no surface without
+    a cell, no stress where the stiffness was given, and of the later stages those that the case asks for."""
     missing = set() if len(run.formed.history) > 1 else {"progress"}
     if not len(run.formed.whole.cells):
         missing |= {"shape", "shear"}
-    return tuple(picture for picture in GALLERY if picture.name not in missing)
+    if not np.isfinite(run.formed.whole.stress).any():
+        missing |= {"stress"}
+    after = (*accuracy_pictures(run), *released_pictures(run), *loaded_pictures(run))
+    return (*after, *(picture for picture in GALLERY if picture.name not in missing))

@@ -1,7 +1,9 @@
-"""Sections of the formed grid along 0 and 45 degrees, against the punch and the flat blank."""
+"""Sections along 0 and 45 degrees: the formed grid on the punch, and the grid before and after the release."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +14,7 @@ from punchform.arrays import Bools, Floats
 from punchform.report.figures.style import ACCENT, HALF, INK, PUNCH, SOFT, TEXT, dress, new_figure
 
 if TYPE_CHECKING:
+    from punchform.accuracy import Accuracy
     from punchform.run import Run
 
 DIRECTIONS = (45, 0)
@@ -22,10 +25,26 @@ BELOW, ABOVE, TALLEST = 0.5, 0.4, 2.4
 def draw_sections(run: Run) -> Figure:
     """Nodes within half a step of each section, the punch, and the flat blank; shallow heights are
     enlarged."""
+    return _panels(run, (run.formed.whole.positions,), partial(_section, run=run))
+
+
+def draw_overlay(run: Run) -> Figure:
+    """The same nodes before and after the release, and the target inside its aperture."""
+    assert run.released is not None
+    return _panels(run, (run.formed.whole.positions, run.released.whole.positions), partial(_overlay, run=run))
+
+
+def _panels(run: Run, shapes: tuple[Floats, ...], draw: Callable[..., None]) -> Figure:
+    """One panel per direction; `draw(axes, degrees=..., reach=...)` fills it."""
     whole = run.formed.whole
-    ends = [float(np.abs(whole.flat[_near(run, at), :2] @ _along(at)).max(initial=0.0)) for at in DIRECTIONS]
+    points = np.concatenate(shapes)
+    ends = [
+        float(np.abs(place[_near(run, at), :2] @ along(at)).max(initial=0.0))
+        for at in DIRECTIONS
+        for place in (whole.flat, *shapes)
+    ]
     reach = 1.02 * max(*ends, run.case.punch.rim_radius)
-    low, high = min(float(whole.positions[:, 2].min()), 0.0), max(float(whole.positions[:, 2].max()), 0.0)
+    low, high = min(float(points[:, 2].min()), 0.0), max(float(points[:, 2].max()), 0.0)
     times = enlargement(2 * reach, high - low)
     margin = 0.08 * (high - low) + 0.004 * reach / times
     panel = min(PANEL * times * (high - low + 2 * margin) / (2 * reach), TALLEST)
@@ -36,7 +55,7 @@ def draw_sections(run: Run) -> Figure:
         axes = figure.add_axes((LEFT / WIDTH, bottom / height, PANEL / WIDTH, panel / height))
         axes.set(xlim=(-reach, reach), ylim=(low - margin, high + margin))
         axes.set_aspect(times, adjustable="box", anchor="W")
-        _section(axes, run, degrees, reach)
+        draw(axes, degrees=degrees, reach=reach)
         enlarged = f"   (heights {times} times enlarged)" if times > 1 else ""
         dress(axes, x="along the section [mm]", y="z [mm]", title=f"Section at {degrees}°{enlarged}")
     handles, labels = figure.axes[0].get_legend_handles_labels()
@@ -59,7 +78,8 @@ def near_section(flat: Floats, degrees: float, reach: float) -> Bools:
     return np.asarray(np.abs(off) <= reach * (1 + 1e-9))
 
 
-def _along(degrees: float) -> Floats:
+def along(degrees: float) -> Floats:
+    """The direction (2,) at so many degrees to x."""
     return np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
 
 
@@ -68,13 +88,34 @@ def _near(run: Run, degrees: float) -> Bools:
 
 
 def _section(axes: Axes, run: Run, degrees: float, reach: float) -> None:
-    whole, along, near = run.formed.whole, _along(degrees), _near(run, degrees)
-    flat, formed = whole.flat[near, :2] @ along, whole.positions[near, :2] @ along
+    whole, near = run.formed.whole, _near(run, degrees)
+    flat = whole.flat[near, :2] @ along(degrees)
     line = np.linspace(-reach, reach, 801)
-    punch = run.formed.surface.height(line[:, None] * along)
+    punch = run.formed.surface.height(line[:, None] * along(degrees))
     axes.plot(line, punch, color=PUNCH, linewidth=1.4, label="punch", zorder=1)
     axes.plot(flat, 0 * flat, "|", color=SOFT, markersize=5, markeredgewidth=0.6, label="flat blank", zorder=2)
+    _nodes(axes, whole.positions[near], degrees, ACCENT, "formed nodes")
+
+
+def _overlay(axes: Axes, run: Run, degrees: float, reach: float) -> None:
+    assert run.released is not None
+    near = _near(run, degrees)
+    if run.accuracy is not None:
+        edge = min(run.accuracy.aperture.radius, reach)
+        line = np.linspace(-edge, edge, 401)
+        axes.plot(line, _target_height(run.accuracy, line), color=PUNCH, linewidth=1.4, label="target", zorder=1)
+    _nodes(axes, run.formed.whole.positions[near], degrees, SOFT, "in the tool")
+    _nodes(axes, run.released.whole.positions[near], degrees, ACCENT, "released")
+
+
+def _nodes(axes: Axes, points: Floats, degrees: float, ink: str, label: str) -> None:
     axes.plot(
-        formed, whole.positions[near, 2], "o", color=ACCENT, markersize=2.0, markeredgewidth=0,
-        label="formed nodes", zorder=3,
+        points[:, :2] @ along(degrees), points[:, 2], "o", color=ink, markersize=2.0, markeredgewidth=0,
+        label=label, zorder=3,
     )  # fmt: skip
+
+
+def _target_height(accuracy: Accuracy, places: Floats) -> Floats:
+    surface = accuracy.target.surface
+    heights: Floats = surface.chain.height(np.abs(places))
+    return heights - surface.height_at_axis + accuracy.target.apex_height

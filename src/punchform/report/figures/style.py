@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PathCollection
-from matplotlib.colors import FuncNorm, Normalize
+from matplotlib.colors import Colormap, FuncNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.path import Path
 from matplotlib.ticker import FuncFormatter
@@ -23,6 +23,7 @@ from matplotlib.ticker import FuncFormatter
 from punchform.arrays import Floats
 
 Place = tuple[float, float, float, float]
+Colours = str | Colormap
 
 DPI = 135
 HALF = (5.6, 4.6)
@@ -69,7 +70,7 @@ def plan_axes(figure: Figure, *, points: Floats, rim: float) -> Axes:
     return axes
 
 
-def in_colour(outlines: Floats, values: Floats, scale: Normalize, colours: str, width: float) -> PathCollection:
+def in_colour(outlines: Floats, values: Floats, scale: Normalize, colours: Colours, width: float) -> PathCollection:
     """Lines (n, 2, 2) or cells (n, 4, 2) coloured by their values (n,); line width in points.
 
     Pieces of one shade (of 256) are one path, so the time hardly grows with their number. Right in plan
@@ -87,7 +88,7 @@ def in_colour(outlines: Floats, values: Floats, scale: Normalize, colours: str, 
         Path(piece.reshape(-1, 2), np.tile(np.array(codes, np.uint8), len(piece)))
         for piece in np.split(outlines[order], first[1:])
     ]
-    inks = colormaps[colours]((shades + 0.5) / 256)
+    inks = colormaps.get_cmap(colours)((shades + 0.5) / 256)
     return PathCollection(
         paths,
         facecolors=inks if filled else "none",
@@ -104,7 +105,21 @@ def points_per_mm(axes: Axes) -> float:
     return float(axes.bbox.width) * 72 / DPI / (high - low)
 
 
-def colour_bar(figure: Figure, place: Place, scale: Normalize, colours: str, label: str) -> Axes:
+def wire_width(axes: Axes, apart: float) -> float:
+    """The width of lines [pt] for wires that lie so far apart [mm]."""
+    apart = apart * points_per_mm(axes)
+    # Gaps of less than half a point would only make a moiré: such wires are drawn touching.
+    return min(0.75 * apart, 2.5) if apart > 2 else 1.1 * apart
+
+
+def squares(points: Floats, step: tuple[float, float]) -> Floats:
+    """The squares (n, 4, 2) that belong to nodes (n, 3) of a grid; neighbours touch, so that no pattern of gaps
+    appears."""
+    half = 0.52 * np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]) * step
+    return np.asarray(points[:, None, :2] + half)
+
+
+def colour_bar(figure: Figure, place: Place, scale: Normalize, colours: Colours, label: str) -> Axes:
     """A colour bar at `place` for a scale; returns its axes."""
     axes = figure.add_axes(place)
     bar: Any = figure.colorbar(ScalarMappable(scale, colours), cax=axes)
@@ -134,6 +149,12 @@ def about_zero(values: Floats) -> FuncNorm:
     """
     reach = float(np.abs(values).max(initial=0.0)) or 1.0
     return FuncNorm((_signed_root, _signed_square), vmin=-reach, vmax=reach)
+
+
+def even_about_zero(values: Floats) -> Normalize:
+    """An even scale symmetric about zero."""
+    reach = float(np.abs(values).max(initial=0.0)) or 1.0
+    return Normalize(-reach, reach)
 
 
 def round_down(value: float) -> float:

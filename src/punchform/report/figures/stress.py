@@ -1,0 +1,43 @@
+"""Plan of the grid with the largest stress in every wire piece."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from punchform.report.figures.style import (
+    HALF,
+    PAPER,
+    PLAN_BAR,
+    SEQUENTIAL,
+    colour_bar,
+    from_zero,
+    in_colour,
+    new_figure,
+    plan_axes,
+    wire_width,
+)
+
+if TYPE_CHECKING:
+    from punchform.run import Run
+    from punchform.whole import Whole
+
+
+def draw_stress(run: Run, whole: Whole | None = None) -> Figure:
+    """Every element of both families as a line coloured by its stress, from zero.
+
+    whole: the grid in the stage to be shown, the formed one unless given.
+    """
+    whole = whole or run.formed.whole
+    known = np.isfinite(whole.stress)
+    segments = whole.positions[np.column_stack((whole.start, whole.end))[known]][:, :, :2]
+    scale = from_zero(whole.stress[known])
+    figure = new_figure(*HALF)
+    axes = plan_axes(figure, points=whole.positions, rim=run.case.punch.rim_radius)
+    axes.set_facecolor(PAPER)
+    width = 0.6 * wire_width(axes, min(run.case.grid.step))
+    axes.add_collection(in_colour(segments, whole.stress[known], scale, SEQUENTIAL, width=width))
+    colour_bar(figure, PLAN_BAR, scale, SEQUENTIAL, "largest stress in the wire [MPa]")
+    return figure
