@@ -123,7 +123,7 @@ def drape(
     straight = origin is None and direction == 0.0
     if not kernels_are_compiled(geodesics=not straight):
         observe(Progress("drape", message="compiling the kernels; only the first run does this"))
-    ready = prepare(case if straight else _whole_grid(case))
+    ready = prepare(_crossings_only(case if straight else _whole_grid(case)))
     grid, punch = ready.grid, ready.punch
     laid = perf_counter()
     net = lay_net(grid, punch, shear_limit=_limit(case, shear_limit), origin=origin, direction=direction)
@@ -156,7 +156,7 @@ def placed(formed: Draped) -> Draped:
     pieces = nodes[whole.start] & nodes[whole.end]
     cells = nodes[whole.cells].all(axis=1)
     renumbered = {"start": number[whole.start][pieces], "end": number[whole.end][pieces], "cells": number[whole.cells]}
-    per_node = {"index", "flat", "positions", "normals", "tangents", "contact"}
+    per_node = {"index", "between", "flat", "positions", "normals", "tangents", "contact"}
     kept = {}
     for name in (field.name for field in fields(whole)):
         values = renumbered.get(name, getattr(whole, name))
@@ -191,6 +191,11 @@ def _refuse(rim_radius: float, origin: tuple[float, float] | None, shear_limit: 
 def _whole_grid(case: Case) -> Case:
     """The case without its mirror planes."""
     return case.model_copy(update={"grid": case.grid.model_copy(update={"symmetry": "full"})})
+
+
+def _crossings_only(case: Case) -> Case:
+    """The case without nodes between crossings: the net has straight edges."""
+    return case.model_copy(update={"grid": case.grid.model_copy(update={"subdivide": 1})})
 
 
 def _limit(case: Case, shear_limit: float | None) -> float:

@@ -16,19 +16,19 @@ TONNE_PER_MM3 = 1e-12
 """1 kg/m³ in t/mm³, the unit of density beside N, mm and s."""
 
 
-def wire_mass(grid: Grid, wire: WireCase, lengths: tuple[float, float]) -> float | None:
-    """Mass of all wire of the whole grid [kg], None without a density; lengths: of one wire piece per family [mm]."""
+def wire_mass(grid: Grid, wire: WireCase, lengths: tuple[float, ...]) -> float | None:
+    """Mass of all wire of the whole grid [kg], None without a density; lengths: of the wire in each piece [mm]."""
     if wire.density is None:
         return None
-    return float(1e3 * grid.copies * (grid.weight * _piece_mass(wire, lengths)[grid.family]).sum())
+    return float(1e3 * grid.copies * (grid.weight * _piece_mass(wire, lengths)[grid.kind]).sum())
 
 
-def _piece_mass(wire: WireCase, lengths: tuple[float, float]) -> Floats:
+def _piece_mass(wire: WireCase, lengths: tuple[float, ...]) -> Floats:
     assert wire.density is not None
     return np.asarray(wire.density * TONNE_PER_MM3 * 0.25 * np.pi * wire.diameter**2 * np.asarray(lengths))
 
 
-def forces(grid: Grid, state: State, case: LoadCase, wire: WireCase, lengths: tuple[float, float]) -> Floats:
+def forces(grid: Grid, state: State, case: LoadCase, wire: WireCase, lengths: tuple[float, ...]) -> Floats:
     """Dead forces on the solved nodes (N, 3) [N]; a node in a mirror plane has its share of the whole node's.
 
     Pressure and wind act along the normals of the given state. Raises InputError for a crossing that does not exist,
@@ -37,7 +37,7 @@ def forces(grid: Grid, state: State, case: LoadCase, wire: WireCase, lengths: tu
     total = np.zeros((grid.nodes, 3))
     area, covered = _areas(grid, wire)
     if case.gravity is not None:
-        half = 0.5 * (grid.weight * _piece_mass(wire, lengths)[grid.family])
+        half = 0.5 * (grid.weight * _piece_mass(wire, lengths)[grid.kind])
         mass = np.bincount(grid.start, half, grid.nodes) + np.bincount(grid.end, half, grid.nodes)
         total += EARTH * mass[:, None] * np.asarray(case.gravity)
     if case.pressure is not None:
@@ -51,7 +51,7 @@ def forces(grid: Grid, state: State, case: LoadCase, wire: WireCase, lengths: tu
 
 
 def _areas(grid: Grid, wire: WireCase) -> tuple[Floats, Floats]:
-    """Area of cloth per solved node, and the area that its wires cover, (N,) [mm²]."""
+    """Area of cloth per solved crossing, and the area that its wires cover, (N,) [mm²]; none between crossings."""
     half = 0.5 * grid.weight * np.asarray(grid.step)[grid.family]
     along = [
         np.bincount(grid.start[own], half[own], grid.nodes) + np.bincount(grid.end[own], half[own], grid.nodes)
@@ -59,12 +59,12 @@ def _areas(grid: Grid, wire: WireCase) -> tuple[Floats, Floats]:
     ]
     share = grid.node_weight
     covered = wire.diameter * (along[0] + along[1]) - wire.diameter**2 * share
-    return along[0] * along[1] / share, covered
+    return along[0] * along[1] / share, np.where(grid.crossings, covered, 0.0)
 
 
 def _node(grid: Grid, number: tuple[int, int]) -> int:
     wanted = np.abs(number) if grid.quarter else np.asarray(number)
-    found = np.flatnonzero((grid.index == wanted).all(axis=1))
+    found = np.flatnonzero((grid.index == grid.subdivide * wanted).all(axis=1))
     if not found.size:
         raise InputError.of(f"the grid has no crossing {number}", where="load.forces")
     return int(found[0])

@@ -10,12 +10,13 @@ The plane z = 0 is covered by two families of wires, family 0 along x and family
           wire i  wire i+1          family 1
 
 An element is the piece of one wire between two neighbouring crossings. Its end O (`start`) is the one nearer to
-the centre line of its family, its end B (`end`) the other: Eq. (2.1).
+the centre line of its family, its end B (`end`) the other: Eq. (2.1). With `subdivide = n` the piece is cut into n
+elements of equal step, joined at nodes that belong to this one wire, Eq. (7.5).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,12 +36,15 @@ class Grid:
     """The grid that is solved: the whole grid or, with two mirror planes, its first quadrant.
 
     step: the distance between crossings along family 0 and family 1 [mm].
-    index (N, 2): the integers (i, j); flat (N, 2): x and y in the plane [mm].
+    index (N, 2): the integers (i, j), counted in elements: those of crossings are multiples of `subdivide`;
+    flat (N, 2): x and y in the plane [mm].
     family, start, end (M,): per element its family (0 or 1) and its nodes O and B.
     direction (M,): +1 when the element runs from O to B along +x or +y, else -1.
     sigma (M,): +1 when the wire rises from O to B, -1 when it falls.
     weight (M,): 1, or 1/2 for an element that lies in a mirror plane.
     neighbours (N, 2, 2): per node and family the node before and after it along the wire, -1 for none.
+    subdivide: into how many elements a wire is cut between crossings.
+    pieces (M,): which kind of piece an element is, in the order of the pieces; its family when None.
     on_mirror (N, 2): whether the node lies in the mirror plane x = 0, y = 0; all False on a whole grid.
     notes: what a user should know about how the grid was laid.
     """
@@ -58,6 +62,8 @@ class Grid:
     on_mirror: Bools
     quarter: bool
     notes: tuple[str, ...] = ()
+    subdivide: int = 1
+    pieces: Ints | None = None
 
     @property
     def nodes(self) -> int:
@@ -68,6 +74,16 @@ class Grid:
     def elements(self) -> int:
         """Number of solved elements M."""
         return len(self.family)
+
+    @property
+    def kind(self) -> Ints:
+        """Which kind of piece each element is, (M,)."""
+        return self.family if self.pieces is None else self.pieces
+
+    @property
+    def crossings(self) -> Bools:
+        """Which nodes are crossings, or ends of wires, and not between two of them, (N,)."""
+        return np.asarray((self.index % self.subdivide == 0).all(axis=1))
 
     @property
     def node_weight(self) -> Floats:
@@ -117,29 +133,76 @@ def lay(
     return _grid(case, index, quarter, notes)
 
 
-def _grid(case: GridCase, index: Ints, quarter: bool, notes: tuple[str, ...]) -> Grid:
+def undivided(grid: Grid) -> Grid:
+    """The same grid with one element between two crossings: what the net and tables of crossings know."""
+    if grid.subdivide == 1:
+        return grid
+    kept = np.flatnonzero(grid.crossings)
+    index = grid.index[kept] // grid.subdivide
+    first = np.flatnonzero(grid.crossings[grid.start])
+    start = np.searchsorted(kept, grid.start[first])
+    neighbours = _neighbours(index)
+    side = (grid.direction[first] > 0).astype(np.int64)
+    end = neighbours[start, grid.family[first], side]
+    return replace(
+        grid,
+        index=index,
+        flat=grid.flat[kept],
+        family=grid.family[first],
+        start=start,
+        end=end,
+        direction=grid.direction[first],
+        sigma=grid.sigma[first],
+        weight=grid.weight[first],
+        neighbours=neighbours,
+        on_mirror=grid.on_mirror[kept],
+        subdivide=1,
+        pieces=None,
+    )
+
+
+def _grid(case: GridCase, crossings: Ints, quarter: bool, notes: tuple[str, ...]) -> Grid:
+    count = case.subdivide
+    index = _divided(crossings, count)
     neighbours = _neighbours(index)
     family, lower = np.nonzero(neighbours[:, :, 1].T >= 0)
     upper = neighbours[lower, family, 1]
     # Every element points away from the centre line; one that crosses it points to the positive side.
-    outwards = index[lower, family] >= (0 if case.centre == "node" else -1)
+    outwards = index[lower, family] >= (0 if case.centre == "node" else -count)
     start, end = np.where(outwards, lower, upper), np.where(outwards, upper, lower)
     on_mirror = (index == 0) & quarter
+    # The crossing at which the whole piece begins, and how many elements this one is away from it.
+    inner = np.where(outwards[:, None], index[start] // count, -(-index[start] // count))
+    away = np.abs(index[start] - count * inner).max(axis=1)
     return Grid(
         step=case.step,
         index=index,
-        flat=(index + _shift(case)) * np.asarray(case.step),
+        flat=(index / count + _shift(case)) * np.asarray(case.step),
         family=family,
         start=start,
         end=end,
         direction=np.where(outwards, 1, -1),
-        sigma=_weave_signs(case.weave, family, index[start]),
+        sigma=_weave_signs(case.weave, family, inner),
         weight=np.where(on_mirror[start, 1 - family] & on_mirror[end, 1 - family], 0.5, 1.0),
         neighbours=neighbours,
         on_mirror=on_mirror,
         quarter=quarter,
         notes=notes,
+        subdivide=count,
+        pieces=family * count + away,
     )
+
+
+def _divided(crossings: Ints, count: int) -> Ints:
+    """The indices of the crossings and of `count` - 1 nodes between each two neighbours, counted in elements."""
+    if count == 1:
+        return crossings
+    node, family = np.nonzero(_neighbours(crossings)[:, :, 1] >= 0)
+    between = (
+        count * crossings[node][:, None] + np.arange(1, count)[:, None] * np.eye(2, dtype=np.int64)[family][:, None]
+    )
+    index = np.concatenate((count * crossings, between.reshape(-1, 2)))
+    return index[np.lexsort((index[:, 1], index[:, 0]))]
 
 
 def _weave_signs(weave: str, family: Ints, start: Ints) -> Ints:

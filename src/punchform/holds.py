@@ -61,7 +61,7 @@ def holds(grid: Grid, positions: Floats, case: ReleaseCase) -> Held:
 
 
 def _near(distance: Floats, grid: Grid) -> Bools:
-    return np.asarray(distance <= 0.5 * min(grid.step) * (1 + EDGE))
+    return np.asarray((distance <= 0.5 * min(grid.step) * (1 + EDGE)) & grid.crossings)
 
 
 def _demand(on: Bools, where: str, message: str) -> None:
@@ -90,6 +90,7 @@ def _supports(grid: Grid, positions: Floats, hold: HoldPoints) -> Bools:
         _demand_mirrored(places, hold)
         places = places[(places >= -EDGE * hold.radius).all(axis=1)]
     distance = np.linalg.norm(positions[:, None, :2] - places[None], axis=2)
+    distance[~grid.crossings] = np.inf
     if distance.min(axis=0).max() > max(grid.step):
         raise InputError.of(
             f"a support on the radius of {hold.radius:g} mm has no crossing within one step",
@@ -114,7 +115,7 @@ def _demand_mirrored(places: Floats, hold: HoldPoints) -> None:
 
 def _numbered(grid: Grid, nodes: tuple[tuple[int, int], ...]) -> Bools:
     """The nodes with these numbers (i, j), and with a quarter grid their images too."""
-    wanted = np.abs(nodes) if grid.quarter else np.asarray(nodes)
+    wanted = grid.subdivide * (np.abs(nodes) if grid.quarter else np.asarray(nodes))
     here = {tuple(number): place for place, number in enumerate(grid.index.tolist())}
     missing = [given for given, one in zip(nodes, wanted.tolist(), strict=True) if tuple(one) not in here]
     if missing:

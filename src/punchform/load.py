@@ -54,7 +54,7 @@ class Loaded(Solved):
 
 def load(
     released: Released,
-    elements: tuple[Element, Element],
+    elements: tuple[Element, ...],
     case: LoadCase,
     wire: WireCase,
     press: PressCase,
@@ -71,7 +71,7 @@ def load(
     """
     solver = solver or SolverCase()
     grid, start = released.grid, released.state
-    lengths = elements[0].wire_length, elements[1].wire_length
+    lengths = tuple(element.wire_length for element in elements)
     dead = forces(grid, start, case, wire, lengths)
     bare = free_energy(grid, elements, press, released.hold, start, crossing=crossing)
     energy = replace(bare, loads=Loads(dead, start.positions))

@@ -10,7 +10,7 @@ from punchform.case import Case, DescentCase
 from punchform.errors import InputError, Problem
 from punchform.grid import Grid, lay
 from punchform.punch import Revolution, bare, check_sharpness, surface
-from punchform.wire import Element, mirror_symmetric, stiffness
+from punchform.wire import Element, mirror_symmetric, pieces, stiffness
 
 Built = TypeVar("Built")
 SOFTEST = 1000.0
@@ -19,10 +19,10 @@ SOFTEST = 1000.0
 
 @dataclass(frozen=True)
 class Prepared:
-    """What the press needs: the grid, one element per family, the punch; and what is doubtful about them."""
+    """What the press needs: the grid, one element per kind of piece, the punch; and what is doubtful about them."""
 
     grid: Grid
-    elements: tuple[Element, Element]
+    elements: tuple[Element, ...]
     punch: Revolution
     doubts: tuple[Problem, ...]
 
@@ -33,11 +33,11 @@ def prepare(case: Case) -> Prepared:
     Raises InputError with the problems of all four, not only of the first that fails.
     """
     problems: list[Problem] = []
-    elements = _tried(lambda: stiffness(case.wire, case.grid.step), problems)
+    elements = _tried(lambda: pieces(stiffness(case.wire, case.grid.step), case.grid.subdivide), problems)
     punch = _tried(lambda: surface(case.punch), problems)
     doubts: tuple[Problem, ...] = ()
     if punch is not None:
-        errors, doubts = check_sharpness(punch, max(case.grid.step))
+        errors, doubts = check_sharpness(punch, _finest(case))
         problems += errors
     if case.target is not None:
         problems += _tried(lambda: _target_problems(case), problems) or ()
@@ -56,6 +56,11 @@ def prepare(case: Case) -> Prepared:
     if problems or grid is None or elements is None or punch is None:
         raise InputError(problems)
     return Prepared(grid, elements, punch, doubts)
+
+
+def _finest(case: Case) -> float:
+    """The distance at which wires have nodes, along both axes [mm]: they follow no sharper bend."""
+    return max(case.grid.step) / case.grid.subdivide
 
 
 def _soft(case: Case) -> tuple[Problem, ...]:
@@ -78,7 +83,7 @@ def _target_problems(case: Case) -> tuple[Problem, ...]:
     """What is wrong with the wanted shape inside its aperture: the wires of the grid could not follow it."""
     assert case.target is not None
     wanted = bare(case.target.profile, case.target.aperture_radius, where="target.profile")
-    return check_sharpness(wanted, max(case.grid.step), where="target")[0]
+    return check_sharpness(wanted, _finest(case), where="target")[0]
 
 
 def _tried(build: Callable[[], Built], problems: list[Problem]) -> Built | None:

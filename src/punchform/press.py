@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from punchform.arrays import Bools
+from punchform.between import between
 from punchform.case import CrossingSpring, PressCase, SolverCase
 from punchform.coarse import coarsened, doubled, refined
 from punchform.errors import InputError, NoEquilibrium
-from punchform.grid import Grid
-from punchform.mechanics.assembly import Energy, Hessian, Loads
+from punchform.grid import Grid, undivided
+from punchform.mechanics.assembly import Energy, Loads
 from punchform.mechanics.compiled import compile_kernels, kernels_are_compiled
 from punchform.mechanics.descent import descend
 from punchform.mechanics.differences import Differences
@@ -27,7 +28,7 @@ from punchform.punch import Surface
 from punchform.remarks import largest_pull, remarks, slide
 from punchform.solved import Solved, bars_of, joined, solved
 from punchform.start import begin, flat_start
-from punchform.wire import Element
+from punchform.wire import Element, together
 
 FOLLOWED = 1e-9
 """The pull has found its direction when no wire end turns by more than this [rad] between two passes."""
@@ -62,7 +63,7 @@ class Formed(Solved):
 
 def press(
     grid: Grid,
-    elements: tuple[Element, Element],
+    elements: tuple[Element, ...],
     surface: Surface,
     case: PressCase,
     *,
@@ -101,13 +102,16 @@ def press(
 
 def _begin(
     grid: Grid,
-    elements: tuple[Element, Element],
+    elements: tuple[Element, ...],
     surface: Surface,
     case: PressCase,
     crossing: str | CrossingSpring,
     solver: SolverCase,
 ) -> tuple[State, tuple[str, ...]]:
     """The net; where there is none the answer of a coarser grid, and without that the flat start, with notes."""
+    if grid.subdivide > 1:
+        first, doubts = _begin(undivided(grid), _uncut(grid, elements), surface, case, crossing, solver)
+        return between(grid, first, surface), doubts
     first, doubts = begin(grid, surface, case)
     coarse = coarsened(grid) if case.start == "net" and (doubts or case.rim == "clamp") else None
     if coarse is None:
@@ -123,9 +127,17 @@ def _begin(
     return refined(grid, flat_start(grid, surface), coarse, answer.state, surface, held), doubts
 
 
+def _uncut(grid: Grid, elements: tuple[Element, ...]) -> tuple[Element, ...]:
+    """The wires of both families, each from crossing to crossing, from their pieces."""
+    wires = (elements[: grid.subdivide], elements[grid.subdivide :])
+    return tuple(
+        replace(wire[-1], C=together(wire), length=sum(one.length for one in wire), drop=0.0) for wire in wires
+    )
+
+
 def energy_of(
     grid: Grid,
-    elements: tuple[Element, Element],
+    elements: tuple[Element, ...],
     surface: Surface,
     case: PressCase,
     *,
@@ -202,9 +214,9 @@ def _solve_pulled(
     )
 
 
-def _demand_moderate(pull: tuple[float, float], elements: tuple[Element, Element]) -> None:
+def _demand_moderate(pull: tuple[float, float], elements: tuple[Element, ...]) -> None:
     """Refuse a pull that the element cannot bear, Eq. (3.8)."""
-    for force, element in zip(pull, elements, strict=True):
+    for force, element in zip(np.repeat(pull, len(elements) // 2), elements, strict=True):
         if force > largest_pull(element):
             raise InputError.of(
                 f"a pull of {force:.4g} N is beyond the {largest_pull(element):.3g} N that the element of this wire "
@@ -217,13 +229,13 @@ def _demand_moderate(pull: tuple[float, float], elements: tuple[Element, Element
 def _formed(
     energy: Energy,
     solution: Solution,
-    elements: tuple[Element, Element],
+    elements: tuple[Element, ...],
     surface: Surface,
     case: PressCase,
     yield_strength: float | None,
 ) -> Formed:
     chart = energy.kinematics.chart(solution.state)
-    contact = chart.contact(energy.model(chart, Hessian.GAUSS_NEWTON).G)
+    contact = chart.contact(energy.gradient(chart).G)
     done = solved(energy, solution, elements, contact, yield_strength)
     told = remarks(energy.grid, elements, done.whole, surface, case)
     return Formed(**{**vars(done), "notes": told}, surface=surface)

@@ -11,7 +11,7 @@ from punchform.case import CrossingSpring, PressCase, ReleaseCase, SolverCase
 from punchform.errors import NoEquilibrium
 from punchform.grid import Grid
 from punchform.holds import Held, holds
-from punchform.mechanics.assembly import Energy, Hessian, Loads
+from punchform.mechanics.assembly import Energy, Loads
 from punchform.mechanics.frames import State, crossing_angle
 from punchform.mechanics.kinematics import FreeFrames
 from punchform.mechanics.newton import minimise
@@ -59,9 +59,9 @@ class Released(Solved):
 
     @property
     def lowest(self) -> int:
-        """The node of the whole grid that sank most; of mirror images the one with the largest i, then j."""
-        least = self.moved[:, 2].min()
-        return int(np.flatnonzero(self.moved[:, 2] <= least + TIE * np.abs(self.moved).max())[-1])
+        """The crossing of the whole grid that sank most; of mirror images the one with the largest i, then j."""
+        sunk = self.moved[: self.whole.crossings, 2]
+        return int(np.flatnonzero(sunk <= sunk.min() + TIE * np.abs(self.moved).max())[-1])
 
     @property
     def max_sag(self) -> float:
@@ -76,7 +76,7 @@ class Released(Solved):
 
 def release(
     formed: Solved,
-    elements: tuple[Element, Element],
+    elements: tuple[Element, ...],
     case: ReleaseCase,
     press: PressCase,
     *,
@@ -96,16 +96,24 @@ def release(
     held = holds(grid, state.positions, case)
     start = replace(state, positions=held.positions)
     energy = free_energy(grid, elements, press, held, start, crossing=crossing)
+    if held.count == 0:
+        return _released(energy, _flat(grid), formed, elements, held, Stability(0, None), yield_strength)
     solution = _let_go(energy, start, state, solver, observe)
     if not solution.outcome.usable:
         raise NoEquilibrium(f"release: {solution.outcome.value}")
-    found = stability(energy, solution.state, linear=solver.linear, negative=solution.negative_eigenvalues)
+    if energy.at(solution.state) <= solver.tolerance * energy.at(start):
+        # No grid has less energy than none: a negative eigenvalue is the rounding of a motion that costs nothing,
+        # as the shear of a flat pinned grid.
+        solution = replace(solution, outcome=Outcome.CONVERGED, negative_eigenvalues=0)
+        found = Stability(0, None)
+    else:
+        found = stability(energy, solution.state, linear=solver.linear, negative=solution.negative_eigenvalues)
     return _released(energy, solution, formed, elements, held, found, yield_strength)
 
 
 def free_energy(
     grid: Grid,
-    elements: tuple[Element, Element],
+    elements: tuple[Element, ...],
     press: PressCase,
     held: Held,
     start: State,
@@ -122,13 +130,23 @@ def free_energy(
     )
 
 
+def _flat(grid: Grid) -> Solution:
+    """What is left of elastic wires that nothing holds: the flat grid, which has no energy, and none has less."""
+    tangents = np.broadcast_to(np.eye(3)[:2], (grid.nodes, 2, 3)).copy()
+    normals = np.broadcast_to(np.eye(3)[2], (grid.nodes, 3)).copy()
+    state = State(np.column_stack((grid.flat, np.zeros(grid.nodes))), normals, tangents)
+    return Solution(
+        state, Outcome.CONVERGED, history=(), negative_eigenvalues=0, linear_solver="none", seconds={"total": 0.0}
+    )
+
+
 def _let_go(energy: Energy, start: State, formed: State, solver: SolverCase, observe: Observer) -> Solution:
     """First with wires that stretch easily, which finds the large motion; then with the real ones, Eq. (7.4).
 
     Where that fails the forces of the tool are taken away bit by bit.
     """
     begun = energy.at(start)
-    soft = _minimised(_softened(energy), start, solver, observe, tolerance=max(ROUGH, solver.tolerance), begun=begun)
+    soft = _minimised(softened(energy), start, solver, observe, tolerance=max(ROUGH, solver.tolerance), begun=begun)
     if soft.outcome is not Outcome.SINGULAR:
         real = _minimised(energy, soft.state, solver, observe, tolerance=solver.tolerance, begun=begun)
         if real.outcome.usable:
@@ -160,7 +178,8 @@ def _minimised(
     )
 
 
-def _softened(energy: Energy) -> Energy:
+def softened(energy: Energy) -> Energy:
+    """The energy of wires that stretch more easily, Eq. (7.4)."""
     B = np.linalg.inv(energy.bars.C)
     B[:, 0, 0] *= SOFTENED
     return replace(energy, bars=replace(energy.bars, C=np.linalg.inv(B)))
@@ -168,7 +187,7 @@ def _softened(energy: Energy) -> Energy:
 
 def node_forces(energy: Energy, state: State) -> Floats:
     """The force (N, 3) [N] that must act on every solved node to keep it where it is."""
-    G = energy.model(energy.kinematics.chart(state), Hessian.GAUSS_NEWTON).G
+    G = energy.gradient(energy.kinematics.chart(state)).G
     return np.asarray(G.reshape(-1, 2, 6)[:, :, :3].sum(axis=1))
 
 
@@ -176,7 +195,7 @@ def _released(
     energy: Energy,
     solution: Solution,
     formed: Solved,
-    elements: tuple[Element, Element],
+    elements: tuple[Element, ...],
     held: Held,
     found: Stability,
     yield_strength: float | None,

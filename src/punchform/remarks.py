@@ -19,11 +19,11 @@ CENTRED = 0.02
 
 
 def remarks(
-    grid: Grid, elements: tuple[Element, Element], whole: Whole, surface: Surface, case: PressCase
+    grid: Grid, elements: tuple[Element, ...], whole: Whole, surface: Surface, case: PressCase
 ) -> tuple[str, ...]:
     """Notes on a formed grid, most important first; none when all is well."""
     found = (
-        "" if case.chord else _steep(whole, grid.step),
+        "" if case.chord else _steep(whole, elements),
         _overpulled(whole, elements) if case.kinematics == "free" and not case.chord else "",
         _locked(grid, whole, elements),
         _yielding(whole),
@@ -35,8 +35,9 @@ def remarks(
     return tuple(note for note in found if note)
 
 
-def _steep(whole: Whole, step: tuple[float, float]) -> str:
-    angle = float((np.hypot(whole.D[:, 1], whole.D[:, 2]) / np.asarray(step)[whole.family - 1]).max())
+def _steep(whole: Whole, elements: tuple[Element, ...]) -> str:
+    lengths = np.array([element.length for element in elements])
+    angle = float((np.hypot(whole.D[:, 1], whole.D[:, 2]) / lengths[whole.kind]).max())
     if angle <= LARGEST_ANGLE:
         return ""
     return (
@@ -46,10 +47,10 @@ def _steep(whole: Whole, step: tuple[float, float]) -> str:
     )
 
 
-def _overpulled(whole: Whole, elements: tuple[Element, Element]) -> str:
+def _overpulled(whole: Whole, elements: tuple[Element, ...]) -> str:
     """A pull T acts in Eq. (3.2) as a bending stiffness - T s²/4: beyond Eq. (3.8) the wire buckles falsely."""
-    for number, element in enumerate(elements, start=1):
-        bound, pull = largest_pull(element), float(whole.F[whole.family == number, 0].max(initial=0.0))
+    for number, element in enumerate(elements):
+        bound, pull = largest_pull(element), float(whole.F[whole.kind == number, 0].max(initial=0.0))
         if pull > bound:
             return (
                 f"a wire is pulled with {pull:.3g} N; beyond {bound:.3g} N (it falls with the square of the step) the "
@@ -66,7 +67,7 @@ def largest_pull(element: Element) -> float:
     return float(s * min(sideways, upwards))
 
 
-def _locked(grid: Grid, whole: Whole, elements: tuple[Element, Element]) -> str:
+def _locked(grid: Grid, whole: Whole, elements: tuple[Element, ...]) -> str:
     """Cells sheared until neighbouring wires would touch: nothing in the energy keeps them apart."""
     section = elements[0].section
     if section is None or section.diameter >= min(grid.step):
@@ -105,6 +106,7 @@ def _drawn_through(grid: Grid, whole: Whole, surface: Surface) -> str:
     if not np.isfinite(surface.rim_radius):
         return ""
     ends = np.bincount(whole.start, minlength=len(whole.index)) + np.bincount(whole.end, minlength=len(whole.index)) < 4
+    ends[whole.crossings :] = False
     inside = np.linalg.norm(whole.positions[ends, :2], axis=1) < surface.rim_radius
     if not inside.any():
         return ""

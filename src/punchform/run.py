@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from time import perf_counter
 from typing import TypedDict
 
+import numpy as np
+
 from punchform.accuracy import Accuracy, measure_case
 from punchform.case import Case, CrossingSpring, SolverCase
 from punchform.grid import Grid, lay
@@ -66,9 +68,10 @@ def run(case: Case, *, observe: Observer = silent) -> Run:
     final = released or formed
     accuracy = None
     if case.target is not None:
-        accuracy = measure_case(
-            final.whole.positions, final.whole.cells, case.target, apex_height=ready.punch.height_at_axis
-        )
+        whole = final.whole
+        # The shape is judged at its crossings, wherever else a wire has nodes.
+        crossings = np.where(whole.between[:, None] == 0, whole.positions, np.nan)
+        accuracy = measure_case(crossings, whole.cells, case.target, apex_height=ready.punch.height_at_axis)
     notes = tuple(doubt.message for doubt in ready.doubts)
     return Run(case, formed, released, loaded, accuracy, notes, perf_counter() - begun)
 

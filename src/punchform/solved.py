@@ -55,12 +55,15 @@ class Solved:
         return float(self.whole.axial_strain.max())
 
 
-def bars_of(elements: tuple[Element, Element], case: PressCase) -> Bars:
-    """What the energy needs to know of the wires, in the convention of offsets and the frame that the case asks for."""
+def bars_of(elements: tuple[Element, ...], case: PressCase) -> Bars:
+    """What the energy needs to know of the wires, in the convention of offsets and the frame that the case asks for.
+
+    elements: one for each kind of piece, as `Grid.kind` numbers them; their offsets by Eq. (7.5).
+    """
     share = 0.5 if case.offset == "centred" else 1.0
     return Bars(
         C=np.stack([element.C for element in elements]),
-        offset=np.array([share * element.height for element in elements]),
+        offset=np.array([share * element.height - element.drop for element in elements]),
         length=np.array([element.length for element in elements]),
         rise=np.array([_rise(element) for element in elements]),
         chord=case.chord,
@@ -75,7 +78,7 @@ def _rise(element: Element) -> float:
 def solved(
     energy: Energy,
     solution: Solution,
-    elements: tuple[Element, Element],
+    elements: tuple[Element, ...],
     contact: Floats,
     yield_strength: float | None,
 ) -> Solved:
@@ -100,14 +103,14 @@ def solved(
 
 
 def whole_of(
-    energy: Energy, state: State, elements: tuple[Element, Element], contact: Floats, yield_strength: float | None
+    energy: Energy, state: State, elements: tuple[Element, ...], contact: Floats, yield_strength: float | None
 ) -> Whole:
     """The whole grid in a state of its solved part."""
     grid = energy.grid
     D, F, energies = energy.elastic(state)
     largest = np.empty(grid.elements)
-    for family, element in enumerate(elements):
-        largest[grid.family == family] = stress(element, F[grid.family == family])
+    for kind, element in enumerate(elements):
+        largest[grid.kind == kind] = stress(element, F[grid.kind == kind])
     return unfold(
         grid,
         state,

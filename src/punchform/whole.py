@@ -13,12 +13,14 @@ from punchform.mechanics.frames import State
 
 @dataclass(frozen=True)
 class Whole:
-    """Arrays over all N nodes (sorted by i, then j), M elements and K cells of the grid.
+    """Arrays over all N nodes (crossings first, by i, then j), M elements and K cells of the grid.
 
-    index (N, 2): (i, j); flat, positions (N, 3) [mm]; normals (N, 3) and tangents (N, 2, 3), along +x
-    and +y, of the node frames, whose normals lean a little against those of the surface;
+    index (N, 2): (i, j), of a node between two crossings those of the one nearer to the centre; between (N,): how many
+    elements away that one is, 0 for crossings and wire ends; flat, positions (N, 3) [mm]; normals (N, 3) and tangents
+    (N, 2, 3), along +x and +y, of the node frames, whose normals lean a little against those of the surface;
     contact (N,): normal force of the tool [N], positive where the punch pushes the grid away.
-    family (M,): 1 along x, 2 along y; start, end (M,): node numbers of O and B; sigma (M,): weave sign;
+    family (M,): 1 along x, 2 along y; kind (M,): of piece, as `Grid.kind`; start, end (M,): node numbers of O and B;
+    sigma (M,): weave sign;
     D, F (M, 6): modes and end forces in element axes, Eq. (3.2), P(3) [mm, rad; N, N mm]; energy (M,) [mJ];
     axial_strain (M,): of the pull F1 alone, Eq. (3.9); stress (M,): largest von Mises stress [MPa], NaN when the
     section is not known; stress_ratio (M,): stress over yield strength, NaN when that is not given.
@@ -27,12 +29,14 @@ class Whole:
     """
 
     index: Ints
+    between: Ints
     flat: Floats
     positions: Floats
     normals: Floats
     tangents: Floats
     contact: Floats
     family: Ints
+    kind: Ints
     start: Ints
     end: Ints
     sigma: Ints
@@ -44,6 +48,11 @@ class Whole:
     stress_ratio: Floats
     cells: Ints
     cell_shear: Floats
+
+    @property
+    def crossings(self) -> int:
+        """How many of the nodes, from the first, are crossings or wire ends."""
+        return int((self.between == 0).sum())
 
 
 def unfold(
@@ -59,34 +68,37 @@ def unfold(
     yield_strength: float | None,
 ) -> Whole:
     """The whole grid from its solved part. D, F (M, 6), energy, stress (M,) and contact (N,) are of that part;
-    axial_compliance (2,): strain per pull of each family, Eq. (3.9) [1/N].
+    axial_compliance (P,): strain per pull of each kind of piece, Eq. (3.9) [1/N].
 
     A mirrored wire turns the other way: D2, D4, D6 (sideways, twist, sideways bending) change sign with every mirror.
     """
     source, signs = _node_copies(grid)
-    number = _numbers(grid.index[source] * signs)
+    number = _numbers(grid, source, signs)
     element, element_signs = _element_copies(grid)
     turned = np.ones((len(element), 6))
     turned[:, 1::2] = element_signs.prod(axis=1)[:, None]
     space = np.column_stack((signs, np.ones(len(signs), dtype=np.int64)))
     positions = state.positions[source] * space
-    index = grid.index[source] * signs
-    cells = _cells(index, number)
+    index, between = _crossing_near(grid)
+    index = index[source] * signs
+    cells = _cells(index, np.flatnonzero(np.all(grid.passes[source], axis=1)))
     return Whole(
         index=index,
+        between=between[source],
         flat=np.column_stack((grid.flat[source] * signs, np.zeros(len(source)))),
         positions=positions,
         normals=state.normals[source] * space,
-        tangents=state.tangents[source] * space[:, None] * signs[:, :, None],
+        tangents=_with_those_across(grid, state)[source] * space[:, None] * signs[:, :, None],
         contact=contact[source] / grid.node_weight[source],
         family=grid.family[element] + 1,
-        start=_at(number, index, grid.index[grid.start[element]] * element_signs),
-        end=_at(number, index, grid.index[grid.end[element]] * element_signs),
+        kind=grid.kind[element],
+        start=_at(number, grid, grid.start[element], element_signs),
+        end=_at(number, grid, grid.end[element], element_signs),
         sigma=grid.sigma[element],
         D=D[element] * turned,
         F=F[element] * turned,
         energy=energy[element],
-        axial_strain=F[element, 0] * axial_compliance[grid.family[element]],
+        axial_strain=F[element, 0] * axial_compliance[grid.kind[element]],
         stress=stress[element],
         stress_ratio=stress[element] / (np.nan if yield_strength is None else yield_strength),
         cells=cells,
@@ -96,7 +108,8 @@ def unfold(
 
 def state_on(grid: Grid, whole: Whole) -> State:
     """The state of a grid laid without mirror planes, from the whole grid that a quarter of it stood for."""
-    place = _at(_numbers(whole.index), whole.index, grid.index)
+    source, _ = _node_copies(grid)
+    place = np.argsort(source)
     return State(whole.positions[place], whole.normals[place], whole.tangents[place])
 
 
@@ -106,6 +119,11 @@ def unfold_vectors(grid: Grid, vectors: Floats, odd: tuple[bool, bool] = (False,
     space = np.column_stack((signs, np.ones(len(signs), dtype=np.int64)))
     flips = np.where(odd, signs, 1).prod(axis=1)
     return np.asarray(vectors[source] * space * flips[:, None])
+
+
+def numbers_in_whole(grid: Grid) -> Ints:
+    """The number that each solved node has in the whole grid, (N,)."""
+    return np.asarray(_numbers(grid, *_node_copies(grid))[0, 0])
 
 
 def cell_shear(positions: Floats, cells: Ints) -> Floats:
@@ -121,10 +139,13 @@ def _mirrors(grid: Grid) -> list[tuple[int, int]]:
 
 
 def _node_copies(grid: Grid) -> tuple[Ints, Ints]:
-    """Per node of the whole grid the solved node it copies, (N,), and its mirror signs (N, 2); sorted by (i, j)."""
+    """Per node of the whole grid the solved node it copies, (N,), and its mirror signs (N, 2).
+
+    Sorted by (i, j), crossings first; grids with the same nodes have them in the same order.
+    """
     source, signs = _copies(grid, grid.on_mirror)
     index = grid.index[source] * signs
-    order = np.lexsort((index[:, 1], index[:, 0]))
+    order = np.lexsort((index[:, 1], index[:, 0], ~grid.crossings[source]))
     return source[order], signs[order]
 
 
@@ -143,21 +164,46 @@ def _copies(grid: Grid, in_plane: Bools) -> tuple[Ints, Ints]:
     return np.concatenate(source), np.concatenate(signs)
 
 
-def _numbers(index: Ints) -> Ints:
-    """A table of node numbers over (i, j), -1 where there is no node; it has a margin of one."""
-    low = index.min(axis=0)
-    table = np.full(index.max(axis=0) - low + 2, -1, dtype=np.int64)
-    table[tuple((index - low).T)] = np.arange(len(index))
+def _numbers(grid: Grid, source: Ints, signs: Ints) -> Ints:
+    """The number in the whole grid of each solved node's image under the mirror signs, (2, 2, N); index 1 for -1."""
+    table = np.full((2, 2, grid.nodes), -1, dtype=np.int64)
+    table[(*(signs.T < 0).astype(np.int64), source)] = np.arange(len(source))
     return table
 
 
-def _at(number: Ints, index: Ints, wanted: Ints) -> Ints:
-    return np.asarray(number[tuple((wanted - index.min(axis=0)).T)])
+def _at(number: Ints, grid: Grid, node: Ints, signs: Ints) -> Ints:
+    """The numbers of the images of solved nodes; a node in a mirror plane is its own image."""
+    mirrored = (signs < 0) & ~grid.on_mirror[node]
+    return np.asarray(number[mirrored[:, 0].astype(np.int64), mirrored[:, 1].astype(np.int64), node])
 
 
-def _cells(index: Ints, number: Ints) -> Ints:
-    """Corners of all complete cells, (K, 4), counter-clockwise from the lowest (i, j)."""
-    at = index - index.min(axis=0)
-    corners = [number[at[:, 0] + a, at[:, 1] + b] for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+def _with_those_across(grid: Grid, state: State) -> Floats:
+    """Tangents (N, 2, 3); where only one wire passes the other is the direction across it, which nothing else moves."""
+    tangents = state.tangents.copy()
+    for family, turn in ((0, -1.0), (1, 1.0)):
+        alone = ~grid.passes[:, family]
+        tangents[alone, family] = turn * np.cross(state.normals[alone], tangents[alone, 1 - family])
+    return tangents
+
+
+def _crossing_near(grid: Grid) -> tuple[Ints, Ints]:
+    """(i, j) of each solved node, or of the crossing nearer to the centre between two; and how far away that is."""
+    index, away = grid.index // grid.subdivide, np.zeros(grid.nodes, dtype=np.int64)
+    inner = ~grid.crossings[grid.start]
+    node, direction = grid.start[inner], grid.direction[inner, None]
+    index[node] = direction * (direction * grid.index[node] // grid.subdivide)
+    away[node] = np.abs(grid.index[node] - grid.subdivide * index[node]).max(axis=1)
+    return index, away
+
+
+def _cells(index: Ints, crossed: Ints) -> Ints:
+    """Corners of all complete cells, (K, 4), counter-clockwise from the lowest (i, j); crossed: numbers of the nodes
+    that both families pass, as all corners of a cell do."""
+    if not len(crossed):
+        return np.empty((0, 4), dtype=np.int64)
+    at = index[crossed] - index[crossed].min(axis=0)
+    table = np.full(at.max(axis=0) + 2, -1, dtype=np.int64)
+    table[tuple(at.T)] = crossed
+    corners = [table[at[:, 0] + a, at[:, 1] + b] for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
     cells = np.column_stack(corners)
     return np.asarray(cells[(cells >= 0).all(axis=1)])

@@ -90,7 +90,9 @@ class Wire:
         e = self.h - self.e if woven and direction < 0 else self.e
         made_of = (C[None], np.array([e]), np.array([STEP]), np.array([self.h]))
         D, F, found = np.empty((1, 6)), np.empty((1, 6)), np.empty(1)
-        sweeps.states(*self.arrays(direction), np.array([sigma]), np.ones(1), *made_of, by_chord, D, F, found)
+        *where, family, start, end, along = self.arrays(direction)
+        one = (*where, family, family, start, end, along, np.array([sigma]), np.ones(1))
+        sweeps.states(*one, *made_of, by_chord, D, F, found)
         return float(found[0])
 
 

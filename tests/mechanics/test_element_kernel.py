@@ -146,7 +146,7 @@ def test_a_sweep_reads_family_direction_and_sign_of_its_own_element() -> None:
     offset, sigma, direction = np.array([0.4, 0.3]), np.array([1.0, -1.0]), np.array([1.0, -1.0])
     family, start, end = np.array([0, 1]), np.array([0, 1]), np.array([1, 0])
     D, F, energies = np.empty((2, 6)), np.empty((2, 6)), np.empty(2)
-    common = (positions, normals, tangents, family, start, end, direction, sigma, np.ones(2))
+    common = (positions, normals, tangents, family, family, start, end, direction, sigma, np.ones(2))
     sweeps.states(*common, C, offset, np.array([STEP, STEP]), offset, False, D, F, energies)
     second = Wire(wire.x_b, wire.x_o, wire.frame_b[[1, 0, 2]], wire.frame_o[[1, 0, 2]], -1.0, 0.3, -1.0)
     for m, one in enumerate((wire, second)):

@@ -72,9 +72,10 @@ def _grid_fits_machine(grid: GridCase) -> Iterator[Finding]:
     needed, there = nodes * BYTES_PER_NODE, machine_memory()
     if needed > there:
         smallest = max(grid.step) * (needed / there) ** 0.5
+        what = "crossings" if grid.subdivide == 1 else "nodes"
         yield Finding(
             ("grid", "step"),
-            f"about {nodes:.3g} crossings would have to be solved, which takes about "
+            f"about {nodes:.3g} {what} would have to be solved, which takes about "
             f"{needed / 2**30:.3g} GiB of memory; this machine has {there / 2**30:.3g} GiB",
             f"take a step of {smallest:.2g} mm or more, a smaller blank, or a larger machine",
         )

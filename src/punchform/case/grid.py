@@ -6,8 +6,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, field_serializer, field_validator
 
-from punchform.case.parts import Length, Part, PositiveLength, PositiveRotaryStiffness
+from punchform.case.parts import Count, Length, Part, PositiveLength, PositiveRotaryStiffness
 from punchform.units import LENGTH, show
+
+MOST_PIECES = 64
 
 
 class CircleBlank(Part):
@@ -67,6 +69,11 @@ class GridCase(Part):
     centre: Literal["node", "cell"] = Field(default="node", description="what sits on the axis: a node or a cell")
     symmetry: Literal["quarter", "full"] = Field(
         default="quarter", description="solve the first quadrant where mirror planes exist, or the whole grid"
+    )
+    subdivide: Count = Field(
+        default=1,
+        le=MOST_PIECES,
+        description="into how many elements a wire is cut between two crossings: for coarse grids and sharp radii",
     )
     crossing: Crossing = Field(
         default="pinned",

@@ -23,8 +23,9 @@ def machine_memory() -> int:
 
 
 def solved_nodes(grid: GridCase) -> float:
-    """About how many nodes will be solved: area over step, a quarter with mirror planes."""
-    return blank_area(grid.blank) / (grid.step[0] * grid.step[1]) / (4.0 if _has_quarter(grid) else 1.0)
+    """About how many nodes will be solved: area over step, those between crossings; a quarter with mirror planes."""
+    crossings = blank_area(grid.blank) / (grid.step[0] * grid.step[1]) / (4.0 if _has_quarter(grid) else 1.0)
+    return crossings * (2 * grid.subdivide - 1)
 
 
 def blank_area(blank: Blank) -> float:

@@ -19,7 +19,7 @@ def check(path: str) -> Exit:
         raise source.placed(error) from None
     grid = ready.grid
     part = "a quarter of them solved" if grid.quarter else "all of them solved"
-    whole = grid.nodes if not grid.quarter else round(4 * float(grid.node_weight.sum()))
+    whole = round(grid.copies * float(grid.node_weight[grid.crossings].sum()))
     print(f"{path}: usable; {whole} crossings, {part}")
     for note in (*grid.notes, *(f"{doubt.where}: {doubt.message}" for doubt in ready.doubts)):
         say(f"note: {note}")

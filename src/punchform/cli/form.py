@@ -47,7 +47,7 @@ def summary(done: Run, folder: Path) -> str:
     formed, whole = done.formed, done.formed.whole
     facts = {
         "grid": f"{whole.crossings} crossings, {len(whole.family)} wire pieces; "
-        f"{formed.solved_nodes} crossings solved",
+        f"{formed.solved_nodes} {'crossings' if whole.crossings == len(whole.index) else 'nodes'} solved",
         "outcome": formed.outcome.value,
         "energy": f"{formed.energy:.7g} mJ",
         "effort": _effort(formed),

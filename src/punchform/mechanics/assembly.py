@@ -16,6 +16,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from punchform.arrays import Floats, Ints
 from punchform.grid import Grid
@@ -46,9 +47,9 @@ class Hessian(Enum):
 
 @dataclass(frozen=True)
 class Bars:
-    """What the elements of both families are made of, in element axes (mm, N).
+    """What the elements are made of, by kind of piece as `Grid.kind` numbers them, in element axes (mm, N).
 
-    C (2, 6, 6): stiffness; offset (2,): e of Eq. (3.1); length (2,): the step s; rise (2,): how far the piece that C
+    C (P, 6, 6): stiffness; offset (P,): e of Eq. (3.1); length (P,): the step s; rise (P,): how far the piece that C
     describes rises, h of Eq. (3.10); chord: whether D is read from the chord, Eq. (3.12), or at O, Eq. (3.2).
     """
 
@@ -72,8 +73,8 @@ class Loads:
 
 
 @dataclass(frozen=True)
-class Model:
-    """The energy around a chart: energy [mJ], gradient (n,), upper CSR values (nnz,), and G (2 N, 6) of Eq. (3.4).
+class Gradient:
+    """The energy around a chart to first order: energy [mJ], gradient (n,), and G (2 N, 6) of Eq. (3.4).
 
     size: the energy that counts as large here, elastic energy and work without their signs [mJ]; rounding: energies
     nearer than this are the same [mJ].
@@ -83,8 +84,14 @@ class Model:
     size: float
     rounding: float
     gradient: Floats
-    values: Floats
     G: Floats
+
+
+@dataclass(frozen=True)
+class Model(Gradient):
+    """The energy around a chart to second order, with the upper CSR values (nnz,) of its Hessian."""
+
+    values: Floats
 
 
 @dataclass
@@ -148,33 +155,50 @@ class Energy:
         total = float(energies @ self.grid.weight) + self.springs(state) - self._work(state)
         return total if np.isfinite(total) else np.inf
 
+    def gradient(self, chart: Chart) -> Gradient:
+        """Energy and gradient on a chart, without a matrix."""
+        elastic, G = self._swept(chart, sweeps.NO_HESSIAN, np.empty((0, 0), dtype=np.int32), np.empty(0))
+        self._add_crossings(chart, G, None)
+        return self._reduced(chart, elastic, G)
+
     def model(self, chart: Chart, hessian: Hessian) -> Model:
         """Energy, gradient and the chosen Hessian on a chart."""
-        pattern, R = self.pattern, chart.R
-        begun = perf_counter()
-        energies = np.empty(self.grid.elements)
-        G = np.zeros((2 * self.grid.nodes, 6))
+        pattern = self.pattern
         values = np.zeros(pattern.entries)
+        elastic, G = self._swept(chart, hessian.value, pattern.places[0], values)
+        self._add_crossings(chart, G, values)
+        first = self._reduced(chart, elastic, G)
+        begun = perf_counter()
+        if hessian is not Hessian.GAUSS_NEWTON:
+            sweeps.scatter(chart.curvature(G), pattern.places[1], hessian.value, values)
+        self.clock.assembly += perf_counter() - begun
+        return Model(**vars(first), values=values)
+
+    def _swept(self, chart: Chart, kind: int, places: NDArray[np.int32], values: Floats) -> tuple[float, Floats]:
+        """Elastic energy and G (2 N, 6) of all elements, whose Hessian is added to the values."""
+        begun = perf_counter()
+        energies, G, R = np.empty(self.grid.elements), np.zeros((2 * self.grid.nodes, 6)), chart.R
+        arguments = self._of(chart.state)
 
         def sweep(chosen: Ints) -> None:
-            arguments = self._of(chart.state)
-            sweeps.models(chosen, *arguments, R, pattern.places[0], hessian.value, energies, G, values)
+            sweeps.models(chosen, *arguments, R, places, kind, energies, G, values)
 
         self._in_threads(sweep)
         self.clock.kernel += perf_counter() - begun
+        return float(energies @ self.grid.weight), G
+
+    def _reduced(self, chart: Chart, elastic: float, G: Floats) -> Gradient:
+        """Energy and gradient with springs and loads; the forces of the loads are taken off G."""
         begun = perf_counter()
-        elastic = float(energies @ self.grid.weight) + self.springs(chart.state)
+        elastic += self.springs(chart.state)
         energy = elastic - self._work(chart.state)
         size = elastic if self.loads is None else elastic + float(np.abs(self.loads.work(chart.state)).sum())
-        self._add_crossings(chart, G, values)
         if self.loads is not None:
             G.reshape(-1, 2, 6)[np.arange(self.grid.nodes), self._first_wire, :3] -= self.loads.forces
-        if hessian is not Hessian.GAUSS_NEWTON:
-            sweeps.scatter(chart.curvature(G), pattern.places[1], hessian.value, values)
         gradient = np.zeros(self.kinematics.count)
-        sweeps.reduce(R, G, self.kinematics.unknowns, gradient)
+        sweeps.reduce(chart.R, G, self.kinematics.unknowns, gradient)
         self.clock.assembly += perf_counter() - begun
-        return Model(energy, size, self._rounding(chart.state, elastic, size), gradient, values, G)
+        return Gradient(energy, size, self._rounding(chart.state, elastic, size), gradient, G)
 
     def _of(self, state: State) -> tuple[Any, ...]:
         """What the kernels need of state, grid and wire, in their order."""
@@ -184,6 +208,7 @@ class Energy:
             *(state.positions, state.normals, tangents),
             *(
                 grid.family,
+                grid.kind,
                 grid.start,
                 grid.end,
                 grid.direction.astype(np.float64),
@@ -226,7 +251,7 @@ class Energy:
     def _work(self, state: State) -> float:
         return 0.0 if self.loads is None else float(np.sum(self.loads.work(state)))
 
-    def _add_crossings(self, chart: Chart, G: Floats, values: Floats) -> None:
+    def _add_crossings(self, chart: Chart, G: Floats, values: Floats | None) -> None:
         """Moments and stiffness of the crossing springs, Eq. (4.5): theta' = s2 - s1 about the normal."""
         if not self.crossing:
             return
@@ -235,6 +260,8 @@ class Energy:
         by_wire = G.reshape(nodes, 2, 6)
         by_wire[:, 0, 3:] -= moment
         by_wire[:, 1, 3:] += moment
+        if values is None:
+            return
         spins = np.einsum("nwcs,nc->nws", chart.R.reshape(nodes, 2, 6, -1)[:, :, 3:], normals)
         rate = np.concatenate((-spins[:, 0], spins[:, 1]), axis=1)
         crossed = self.crossing * self.grid.node_weight * self.grid.passes.all(axis=1)

@@ -54,7 +54,7 @@ class Differences:
         c[before & ~after] = (-1.0, 1.0, 0.0)
         c[~before & after] = (0.0, -1.0, 1.0)
         c[self.grid.on_mirror] = 0.0
-        return np.asarray(c / np.asarray(self.grid.step)[:, None])
+        return np.asarray(c * self.grid.subdivide / np.asarray(self.grid.step)[:, None])
 
     @cached_property
     def constants(self) -> Floats:

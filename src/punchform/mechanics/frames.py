@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from punchform.arrays import Floats
+from punchform.arrays import Floats, Ints
 
 
 @dataclass(frozen=True)
@@ -63,6 +63,15 @@ def turn(state: State, positions: Floats, tilt: Floats, spin: Floats) -> State:
 def perpendicular(vectors: Floats, normals: Floats) -> Floats:
     """The unit vectors nearest to the given ones across the normals, all (n, 3)."""
     return unit(vectors - normals * np.sum(vectors * normals, axis=1)[:, None])
+
+
+def lone_tangents(family: Ints, along: Floats, normals: Floats) -> Floats:
+    """Both tangents (n, 2, 3) of nodes of one wire each: its own along given directions (n, 3), the other across."""
+    own = perpendicular(along, normals)
+    tangents = np.empty((len(own), 2, 3))
+    tangents[np.arange(len(own)), family] = own
+    tangents[np.arange(len(own)), 1 - family] = np.where(family == 0, 1, -1)[:, None] * np.cross(normals, own)
+    return tangents
 
 
 def crossing_angle(state: State) -> Floats:

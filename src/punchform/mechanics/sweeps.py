@@ -1,9 +1,9 @@
 """The loops over elements: where the kernels of `element` meet grids, charts and the sparse matrix.
 
 All are plain loops that compile once and release the interpreter lock. Arrays common to them: x, normals (N, 3);
-tangents (2 N, 3), row 2 node + family; family, start, end, direction, sigma, weight (M,); C (2, 6, 6), offset, length,
-rise (2,) per family. With `chord` the elements are seen from their chords, Eq. (3.12), else from their frames at O,
-Eq. (3.2).
+tangents (2 N, 3), row 2 node + family; family, piece, start, end, direction, sigma, weight (M,); C (P, 6, 6), offset,
+length, rise (P,) per kind of piece. With `chord` the elements are seen from their chords, Eq. (3.12), else from their
+frames at O, Eq. (3.2).
 """
 
 from __future__ import annotations
@@ -14,55 +14,55 @@ from numba import njit
 from punchform.mechanics.chord import chord_modes, expand_chord
 from punchform.mechanics.element import end_force, expand, modes, wire_ends
 
-GAUSS_NEWTON, PROJECTED, EXACT = 0, 1, 2
+NO_HESSIAN, GAUSS_NEWTON, PROJECTED, EXACT = -1, 0, 1, 2
 """Kinds of Hessian that `models` can make."""
 
 
 @njit(cache=True, nogil=True)
 def states(
-    x, normals, tangents, family, start, end, direction, sigma, weight, C, offset, length, rise, chord,
+    x, normals, tangents, family, piece, start, end, direction, sigma, weight, C, offset, length, rise, chord,
     D, F, energies,
 ):  # fmt: skip
     """Write modes D (M, 6), end forces F (M, 6) and energies (M,) of all elements, P(3), P(8)."""
     for m in range(len(family)):
-        w = family[m]
-        ends = wire_ends(x, normals, tangents, family, start, end, direction, sigma, offset[w], m)
+        own = piece[m]
+        ends = wire_ends(x, normals, tangents, family, start, end, direction, sigma, offset[own], m)
         if chord:
-            chord_modes(*ends, sigma[m], offset[w], rise[w], length[w], D[m])
+            chord_modes(*ends, sigma[m], offset[own], rise[own], length[own], D[m])
         else:
-            modes(*ends, sigma[m], offset[w], length[w], D[m])
-        energies[m] = end_force(C[w], D[m], F[m])
+            modes(*ends, sigma[m], offset[own], length[own], D[m])
+        energies[m] = end_force(C[own], D[m], F[m])
 
 
 @njit(cache=True, nogil=True)
 def energies(
-    x, normals, tangents, family, start, end, direction, sigma, weight, C, offset, length, rise, chord,
+    x, normals, tangents, family, piece, start, end, direction, sigma, weight, C, offset, length, rise, chord,
     energies,
 ):  # fmt: skip
     """Write the energies (M,) of all elements, P(8) [mJ]."""
     D, F = np.empty(6), np.empty(6)
     for m in range(len(family)):
-        w = family[m]
-        ends = wire_ends(x, normals, tangents, family, start, end, direction, sigma, offset[w], m)
+        own = piece[m]
+        ends = wire_ends(x, normals, tangents, family, start, end, direction, sigma, offset[own], m)
         if chord:
-            chord_modes(*ends, sigma[m], offset[w], rise[w], length[w], D)
+            chord_modes(*ends, sigma[m], offset[own], rise[own], length[own], D)
         else:
-            modes(*ends, sigma[m], offset[w], length[w], D)
-        energies[m] = end_force(C[w], D, F)
+            modes(*ends, sigma[m], offset[own], length[own], D)
+        energies[m] = end_force(C[own], D, F)
 
 
 @njit(cache=True, nogil=True)
 def models(
-    chosen, x, normals, tangents, family, start, end, direction, sigma, weight, C, offset, length, rise, chord,
+    chosen, x, normals, tangents, family, piece, start, end, direction, sigma, weight, C, offset, length, rise, chord,
     R, places, kind, energies, G, values,
 ):  # fmt: skip
     """Add the chosen elements to G (2 N, 6) and to the sparse values; write their energies.
 
     G is the gradient to shifts and spin vectors; the Hessian is carried to the unknowns by R (2 N, 6, S):
     Rᵀ Jᵀ C J R for the kind GAUSS_NEWTON, with the second-order terms of Eq. (3.4) or (3.14) for EXACT, and for
-    PROJECTED the latter with the negative eigenvalues of each element left out.
+    PROJECTED the latter with the negative eigenvalues of each element left out. NO_HESSIAN leaves the values alone.
     """
-    exact = kind != GAUSS_NEWTON
+    exact = kind in (PROJECTED, EXACT)
     slots = R.shape[2]
     D, F, g = np.empty(6), np.empty(6), np.empty(12)
     J, K = np.empty((6, 12)), np.empty((12, 12))
@@ -70,25 +70,27 @@ def models(
     KR, H = np.empty((12, 2 * slots)), np.empty((2 * slots, 2 * slots))
     for number in range(len(chosen)):
         m = chosen[number]
-        w = family[m]
+        w, own = family[m], piece[m]
         row_o, row_b = 2 * start[m] + w, 2 * end[m] + w
-        ends = wire_ends(x, normals, tangents, family, start, end, direction, sigma, offset[w], m)
+        ends = wire_ends(x, normals, tangents, family, start, end, direction, sigma, offset[own], m)
         if chord:
             energies[m] = expand_chord(
-                *ends, sigma[m], offset[w], rise[w], length[w], C[w], exact, D, F, g, J, K
+                *ends, sigma[m], offset[own], rise[own], length[own], C[own], exact, D, F, g, J, K
             )  # fmt: skip
         else:
-            energies[m] = expand(*ends, sigma[m], offset[w], length[w], C[w], exact, D, F, g, J, K)
+            energies[m] = expand(*ends, sigma[m], offset[own], length[own], C[own], exact, D, F, g, J, K)
         for c in range(6):
             G[row_o, c] += weight[m] * g[c]
             G[row_b, c] += weight[m] * g[6 + c]
+        if kind == NO_HESSIAN:
+            continue
 
         carry(J, R[row_o], R[row_b], JR)
         for k in range(6):
             for q in range(2 * slots):
                 total = 0.0
                 for r in range(6):
-                    total += C[w, k, r] * JR[r, q]
+                    total += C[own, k, r] * JR[r, q]
                 CJR[k, q] = total
         if exact:
             carry(K, R[row_o], R[row_b], KR)

@@ -5,6 +5,7 @@ from punchform.wire.element import Element, along, axial_compliance, given, mirr
 from punchform.wire.element_plot import plot_element
 from punchform.wire.element_report import ElementReport, describe
 from punchform.wire.flexibility import deflections, flexibility, inverse, straight_wire
+from punchform.wire.pieces import pieces, together
 from punchform.wire.section import Section, round_section
 from punchform.wire.stress import stress
 
@@ -23,10 +24,12 @@ __all__ = [
     "inverse",
     "line_through",
     "mirror_symmetric",
+    "pieces",
     "plot_element",
     "round_section",
     "stiffness",
     "straight_line",
     "straight_wire",
     "stress",
+    "together",
 ]

@@ -28,10 +28,12 @@ END_TOLERANCE = 1e-6
 class Centreline:
     """A polyline of n straight chords from O to A.
 
-    points (n + 1, 3) [mm] in element axes; points[0] is O = 0.
+    points (n + 1, 3) [mm] in element axes; points[0] is O = 0. Of a part of a wire that leaves its plane points[0] may
+    lie beside O, and its last point beside A, by `aside` along y: O and A are fixed to it there.
     """
 
     points: Floats
+    aside: float = 0.0
 
     @property
     def chords(self) -> Floats:
@@ -53,8 +55,7 @@ class Centreline:
     @property
     def tip(self) -> Floats:
         """The free end A, (3,) [mm]."""
-        tip: Floats = self.points[-1]
-        return tip
+        return np.asarray(self.points[-1] - (0.0, self.aside, 0.0))
 
     @property
     def rise(self) -> float:

@@ -43,7 +43,8 @@ class Element:
 
     C (6, 6) in element axes [N/mm, N, N mm]; height h of A above O and length s, the step [mm].
     section and centreline are None when C was given as a matrix. asymmetry is how far that matrix,
-    or the flexibility of Eq. (2.4), was from symmetric before it was made so, by `asymmetry`.
+    or the flexibility of Eq. (2.4), was from symmetric before it was made so, by `asymmetry`. Of a wire cut in pieces
+    an element is one of them: height is that of the whole wire and drop how far the piece ends below A, Eq. (7.5).
     """
 
     C: Floats
@@ -52,6 +53,7 @@ class Element:
     section: Section | None = None
     centreline: Centreline | None = None
     asymmetry: float = 0.0
+    drop: float = 0.0
 
     @property
     def wire_length(self) -> float:
