@@ -41,6 +41,12 @@ def holds(grid: Grid, positions: Floats, case: ReleaseCase) -> Held:
         case HoldFrom(from_radius=least):
             held = radius >= least * (1 - EDGE)
             _demand(held, "release.hold.from_radius", f"no crossing was formed at or beyond {least:g} mm")
+            if held.all():
+                raise InputError.of(
+                    f"every crossing was formed at or beyond {least:g} mm: nothing would be let go",
+                    where="release.hold.from_radius",
+                    hint="take a larger radius, or leave the section [release] out",
+                )
         case HoldRing(ring=ring):
             on = _near(np.abs(radius - ring), grid)
             _demand(on, "release.hold.ring", f"no crossing was formed within half a step of {ring:g} mm")

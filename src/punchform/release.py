@@ -186,9 +186,14 @@ def softened(energy: Energy) -> Energy:
 
 
 def node_forces(energy: Energy, state: State) -> Floats:
-    """The force (N, 3) [N] that must act on every solved node to keep it where it is."""
+    """The force (N, 3) [N] that must act on every solved node to keep it where it is.
+
+    Across a mirror plane there is none: the other half of the grid pulls as hard.
+    """
     G = energy.gradient(energy.kinematics.chart(state)).G
-    return np.asarray(G.reshape(-1, 2, 6)[:, :, :3].sum(axis=1))
+    forces = G.reshape(-1, 2, 6)[:, :, :3].sum(axis=1)
+    forces[:, :2][energy.grid.on_mirror] = 0.0
+    return np.asarray(forces)
 
 
 def _released(
