@@ -152,7 +152,9 @@ def with_choice(number: int) -> str:
             lines[row] = ""
         if row == number or (commented and re.match(r"# (\[|\w+ = )", lines[row])):
             lines[row] = lines[row].removeprefix("# ")
-    return "\n".join(lines)
+    # Loads act on a released grid.
+    released = "\n[release]\nhold = 'rim'\n" if lines[first].startswith("[load]") else ""
+    return "\n".join(lines) + released
 
 
 def test_every_choice_that_the_template_shows_is_valid() -> None:
