@@ -122,7 +122,14 @@ def problem(laid: Laid) -> Problem:
         solution = minimise(energy, start)
         seconds.append(perf_counter() - begun)
     assert solution.outcome.usable
-    return Problem(energy, start, flat_start(laid.grid, laid.surface), energy.at(solution.state), float(np.median(seconds)), solution.factorisations)
+    return Problem(
+        energy,
+        start,
+        flat_start(laid.grid, laid.surface),
+        energy.at(solution.state),
+        float(np.median(seconds)),
+        solution.factorisations,
+    )
 
 
 def lbfgs(function: Callable[[Floats], tuple[float, Floats]], scale: Floats, trace: Trace) -> str:

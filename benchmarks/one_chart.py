@@ -18,7 +18,7 @@ from numba import njit
 
 from punchform.arrays import Floats, Ints
 from punchform.mechanics import sweeps
-from punchform.mechanics.assembly import THREADS, WORTH_A_THREAD, Energy, Hessian
+from punchform.mechanics.assembly import THREADS, WORTH_THREADS, Energy, Hessian
 from punchform.mechanics.element import end_force, gradient, loads, modes, wire_ends
 from punchform.mechanics.footing import shifted
 from punchform.mechanics.frames import State
@@ -64,7 +64,7 @@ class OneChart:
     @cached_property
     def _shares(self) -> list[Ints]:
         elements = self.energy.grid.elements
-        return np.array_split(np.arange(elements), THREADS if elements > THREADS * WORTH_A_THREAD else 1)
+        return np.array_split(np.arange(elements), THREADS if elements > WORTH_THREADS else 1)
 
     def _sweep(self, state: State) -> tuple[float, Floats]:
         """Energy, and its gradient G (2 N, 6) to shifts and spin vectors."""
@@ -166,19 +166,19 @@ def _tilted(vector: Any, tilt: Any, sine: float, versine: float, made: Any) -> N
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator,unused-ignore]
 def _gradients(
-    chosen: Any, x: Any, normals: Any, tangents: Any, family: Any, start: Any, end: Any, direction: Any, sigma: Any,
-    weight: Any, C: Any, offset: Any, length: Any, rise: Any, chord: Any, G: Any,
+    chosen: Any, x: Any, normals: Any, tangents: Any, family: Any, piece: Any, start: Any, end: Any, direction: Any,
+    sigma: Any, weight: Any, C: Any, offset: Any, length: Any, rise: Any, chord: Any, G: Any,
 ) -> Any:  # fmt: skip
     """Add the chosen elements to G (2 N, 6) and return their energy: `sweeps.models` without its matrices."""
     D, F, g = np.empty(6), np.empty(6), np.empty(12)
     total = 0.0
     for number in range(len(chosen)):
         m = chosen[number]
-        w = family[m]
-        e = offset[w]
+        w, own = family[m], piece[m]
+        e = offset[own]
         d, t, j, n, n_b, t_b = wire_ends(x, normals, tangents, family, start, end, direction, sigma, e, m)
-        modes(d, t, j, n, n_b, t_b, sigma[m], e, length[w], D)
-        total += weight[m] * end_force(C[w], D, F)
+        modes(d, t, j, n, n_b, t_b, sigma[m], e, length[own], D)
+        total += weight[m] * end_force(C[own], D, F)
         pulls = loads(d, t, j, n, n_b, t_b, sigma[m], e, F)
         gradient(t, j, n, n_b, t_b, pulls, g)
         for c in range(6):

@@ -27,6 +27,7 @@ from punchform.grid import Grid
 from punchform.mechanics import assembly
 from punchform.mechanics.assembly import Energy, Hessian, Loads
 from punchform.mechanics.frames import State
+from punchform.mechanics.pattern import shares
 from punchform.punch import Paraboloid, Sphere
 from punchform.testing import assert_derivatives, assert_rigid_invariance
 
@@ -202,22 +203,35 @@ def test_two_threads_find_what_one_finds(monkeypatch: pytest.MonkeyPatch) -> Non
     energy = energy_of(free_frames(grid(symmetry="full")), crossing=500.0)
     chart = energy.kinematics.chart(somewhere(energy))
     alone = energy.model(chart, Hessian.EXACT)
-    monkeypatch.setattr(assembly, "WORTH_A_THREAD", 0)
+    monkeypatch.setattr(assembly, "WORTH_THREADS", 0)
     together = energy.model(chart, Hessian.EXACT)
     assert together.energy == alone.energy
     np.testing.assert_allclose(together.gradient, alone.gradient, rtol=0, atol=1e-12 * np.abs(alone.gradient).max())
     np.testing.assert_allclose(together.values, alone.values, rtol=0, atol=1e-12 * np.abs(alone.values).max())
 
 
-def test_elements_of_one_colour_share_no_unknown() -> None:
-    for kinematics in (free_frames(laid := grid(4.5 * STEP, symmetry="full")), differences(laid)):
+@pytest.mark.parametrize(("symmetry", "threads"), [("full", 2), ("full", 3), ("quarter", 2)])
+def test_strips_that_are_added_together_share_no_unknown(symmetry: str, threads: int) -> None:
+    for kinematics in (free_frames(laid := grid(12.5 * STEP, symmetry=symmetry)), differences(laid)):
         energy = energy_of(kinematics)
-        ends = 2 * np.column_stack((laid.start, laid.end)) + laid.family[:, None]
-        coloured = np.concatenate(energy._colours)
-        np.testing.assert_array_equal(np.sort(coloured), np.arange(laid.elements))
-        for chosen in energy._colours:
-            # The rows of G are written without looking, so they must differ too.
-            assert len(np.unique(ends[chosen])) == ends[chosen].size
+        strips, seam = shares(laid, threads)
+        assert len(strips) == threads
+        np.testing.assert_array_equal(np.sort(np.concatenate((*strips, seam))), np.arange(laid.elements))
+        unknowns = [np.unique(energy.kinematics.unknowns[rows(laid, strip)]) for strip in strips]
+        # The rows of G are written without looking, so they must differ too.
+        for written in ([one[one >= 0] for one in unknowns], [np.unique(rows(laid, strip)) for strip in strips]):
+            assert len(np.unique(np.concatenate(written))) == sum(map(len, written))
+
+
+def rows(laid: Grid, chosen: np.ndarray) -> np.ndarray:
+    """The rows of R and G that elements use."""
+    return np.asarray(2 * np.stack((laid.start[chosen], laid.end[chosen])) + laid.family[chosen])
+
+
+def test_a_grid_too_narrow_for_strips_is_one_group() -> None:
+    strips, seam = shares(grid(1.5 * STEP), 2)
+    assert len(strips) == 1
+    assert not len(seam)
 
 
 def test_the_energy_of_a_state_that_is_not_finite_is_infinite() -> None:

@@ -1,8 +1,8 @@
 """From elements to one energy, one gradient and one sparse matrix: the pattern is analysed once.
 
 The energy of the grid is Eq. (3.3), plus the crossing springs of Eq. (4.5), minus the work of the pull of Eq. (5.2).
-Elements are grouped in colours: two elements of one colour touch no common unknown, so both cores can add to the same
-arrays. The kernels release the interpreter lock and run in a thread pool.
+The grid is cut into strips that touch no common unknown, so both cores can add to the same arrays; the kernels release
+the interpreter lock and run in a thread pool.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from punchform.grid import Grid
 from punchform.mechanics import sweeps
 from punchform.mechanics.frames import State, crossing_angle
 from punchform.mechanics.kinematics import Chart, Kinematics
-from punchform.mechanics.pattern import Pattern, analyse, colours
+from punchform.mechanics.pattern import Pattern, analyse, shares
 
 ROUNDING = 1e-13
 """Rounding of a long sum, relative to its terms; that of a coordinate counts a tenth of it."""
 THREADS = 2
-WORTH_A_THREAD = 4000
-"""Below this many elements of one colour a second thread costs more than it saves."""
+WORTH_THREADS = 8000
+"""Below this many elements a second thread costs more than it saves."""
 
 
 class Hessian(Enum):
@@ -134,8 +134,8 @@ class Energy:
         return pattern
 
     @cached_property
-    def _colours(self) -> tuple[Ints, ...]:
-        return colours(self.grid)
+    def _shares(self) -> tuple[tuple[Ints, ...], Ints]:
+        return shares(self.grid, THREADS if self.grid.elements >= WORTH_THREADS else 1)
 
     def elastic(self, state: State) -> tuple[Floats, Floats, Floats]:
         """Modes D (M, 6), end forces F (M, 6) and energies (M,) of the elements, Eq. (3.2), P(3), P(8)."""
@@ -218,14 +218,14 @@ class Energy:
         )
 
     def _in_threads(self, sweep: Callable[[Ints], None]) -> None:
-        """One colour after the other, each shared among the cores where that pays."""
-        if max(len(chosen) for chosen in self._colours) < WORTH_A_THREAD:
-            for chosen in self._colours:
-                sweep(chosen)
+        """The strips of the grid at the same time, then the seams between them."""
+        strips, seam = self._shares
+        if len(strips) == 1:
+            sweep(strips[0])
             return
-        with ThreadPoolExecutor(THREADS) as pool:
-            for chosen in self._colours:
-                list(pool.map(sweep, np.array_split(chosen, THREADS)))
+        with ThreadPoolExecutor(len(strips)) as pool:
+            list(pool.map(sweep, strips))
+        sweep(seam)
 
     @cached_property
     def _first_wire(self) -> Ints:

@@ -131,11 +131,15 @@ class RslabSolver:
     pattern: Pattern
     name: str = "rslab"
 
+    @cached_property
+    def _analysis(self):  # type: ignore[no-untyped-def]
+        return _dissected(_Structure(self.pattern.indptr, self.pattern.indices))
+
     def factor(self, values: Floats) -> Factor:
         """Factor the matrix with these upper CSR values; raises SingularMatrix."""
         _demand_finite(values)
         try:
-            factor = _dissected(_Structure(self.pattern.indptr, self.pattern.indices)).factor(values)
+            factor = self._analysis.factor(values)
         except RuntimeError as error:
             raise SingularMatrix(str(error)) from error
         return Factor(factor.solve, int(factor.inertia[1]), upper_matrix(self.pattern, values))

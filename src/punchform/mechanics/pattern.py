@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numba import njit
@@ -13,8 +14,8 @@ from punchform.arrays import Ints
 from punchform.grid import Grid
 from punchform.mechanics import sweeps
 
-REACH = 4
-"""Elements of one wire this far apart share no unknown, with the longest stencil of any kinematics."""
+SEAM = 2
+"""Half the width of a seam, in elements: beyond it no unknown is shared, with the longest stencil of any kinematics."""
 
 
 @dataclass(frozen=True)
@@ -104,9 +105,23 @@ def _places(clique: Ints, indptr: Ints, indices: Ints) -> NDArray[np.int32]:
     return found
 
 
-def colours(grid: Grid) -> tuple[Ints, ...]:
-    """Groups of elements (their numbers) that share no unknown with others of the same group."""
-    lower = np.where(grid.direction > 0, grid.start, grid.end)
-    along = grid.index[lower, grid.family]
-    key = REACH * grid.family + along % REACH
-    return tuple(np.nonzero(key == k)[0] for k in range(2 * REACH) if (key == k).any())
+def shares(grid: Grid, threads: int) -> tuple[tuple[Ints, ...], Ints]:
+    """Groups of elements (their numbers) that can be added at the same time, and the seams between them for after.
+
+    Strips of the grid with seams so wide that no two strips share a node or an unknown, each in the natural order,
+    in which neighbours in the grid are neighbours in memory. One group without a seam where the strips are too narrow.
+    """
+    along = np.sort(grid.index[np.stack((grid.start, grid.end)), 0], axis=0)
+    places = np.quantile(along[0], np.arange(1, threads) / threads).astype(np.int64)
+    edges = [np.iinfo(np.int64).min, *places, np.iinfo(np.int64).max]
+    strips = tuple(
+        np.flatnonzero((along[0] > low + SEAM * (low != edges[0])) & (along[1] < high - SEAM * (high != edges[-1])))
+        for low, high in pairwise(edges)
+    )
+    nodes = [np.unique(np.stack((grid.start[strip], grid.end[strip]))) for strip in strips]
+    apart = sum(map(len, nodes)) == len(np.unique(np.concatenate(nodes)))
+    if not apart or min(map(len, strips)) == 0:
+        return (np.arange(grid.elements),), np.empty(0, dtype=np.int64)
+    seam = np.ones(grid.elements, dtype=bool)
+    seam[np.concatenate(strips)] = False
+    return strips, np.flatnonzero(seam)
