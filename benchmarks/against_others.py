@@ -2,8 +2,9 @@
 
     python benchmarks/against_others.py [--large] [--seconds 600] [--rods PYTHON] [--write docs/performance.md]
 
-All start from the same net; the descent once more from its own start, P(18). L-BFGS-B (SciPy) gets the energy and gradient of `one_chart.py`: one vector of unknowns,
-no restart, no matrix; once as it comes and once with unknowns scaled by the diagonal of the Gauss-Newton matrix. It is
+All start from the same net; the descent once more from its own start, P(18). L-BFGS-B (SciPy) gets the energy and
+gradient of `one_chart.py`: one vector of unknowns, no restart, no matrix; once as it comes and once with unknowns
+scaled by the diagonal of the Gauss-Newton matrix. It is
 stopped for it, as soon as its energy is within 1e-8 of the minimum, or after `--seconds`. The descent runs for
 `--seconds` too; how its remaining steps are estimated stands at `steps_needed`. With --rods, a Python that has
 PyElastica (`python -m venv rods && rods/bin/pip install pyelastica`, then `--rods rods/bin/python`), a small grid

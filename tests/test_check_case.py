@@ -9,8 +9,9 @@ import pytest
 from small_grids import assert_equal_grids
 
 from punchform import Formed, read_case, run
-from punchform.case import Case
+from punchform.case import Case, HoldFrom, ReleaseCase
 from punchform.mechanics.outcome import Outcome
+from punchform.release import Released
 from punchform.whole import Whole
 
 
@@ -28,6 +29,17 @@ def case() -> Case:
 @pytest.fixture(scope="session")
 def formed(case: Case) -> Formed:
     return run(case).formed
+
+
+@pytest.fixture(scope="session")
+def released(case: Case) -> Released:
+    return released_with(case, ReleaseCase(hold=HoldFrom(from_radius=300.0)))
+
+
+def released_with(case: Case, release: ReleaseCase) -> Released:
+    found = run(case.model_copy(update={"release": release})).released
+    assert found is not None
+    return found
 
 
 @pytest.fixture(scope="session")
@@ -118,3 +130,46 @@ def test_the_formed_grid_has_the_symmetry_of_its_weave(formed: Formed) -> None:
 
 def test_every_node_lies_on_the_punch(formed: Formed) -> None:
     assert np.abs(formed.surface.gap(formed.whole.positions).value).max() < 1e-9
+
+
+def test_the_released_energy_is_that_of_the_prototype(case: Case, released: Released) -> None:
+    assert case.release == ReleaseCase(hold=HoldFrom(from_radius=300.0))
+    assert released.outcome is Outcome.CONVERGED
+    assert released.energy == pytest.approx(2414.094, abs=1e-3)
+    assert released.stability.negative == 0
+    assert released.factorisations <= 20
+
+
+def test_the_released_grid_sinks_as_the_prototype_does(released: Released) -> None:
+    assert released.apex == pytest.approx(0.6587, abs=1e-4)
+    assert released.max_sag == pytest.approx(-19.048, abs=1e-3)
+    assert tuple(released.whole.index[released.lowest]) == (22, 21)
+
+
+@pytest.mark.parametrize(
+    ("node", "position"),
+    [((10, 0), (74.76265, 0.0, 80.86535)), ((20, 20), (143.36103, 143.36733, 23.41329))],
+)
+def test_the_released_positions_are_those_of_the_prototype(
+    released: Released, node: tuple[int, int], position: tuple[float, float, float]
+) -> None:
+    found = released.whole.positions[at(released.whole, *node)]
+    np.testing.assert_allclose(found, position, rtol=0, atol=1e-3)
+
+
+def test_what_holds_the_released_grid_is_symmetric_and_in_balance(released: Released) -> None:
+    whole, reactions = released.whole, released.reactions
+    on_axis = whole.index == 0
+    assert not reactions[:, :2][on_axis].any()
+    np.testing.assert_allclose(reactions.sum(axis=0), 0.0, atol=1e-6 * released.largest_reaction)
+    held = np.linalg.norm((whole.positions - released.moved)[:, :2], axis=1) >= 300.0 * (1 - 1e-9)
+    assert not reactions[~held].any()
+
+
+def test_on_its_rim_alone_the_released_quarter_is_not_what_the_whole_grid_keeps(case: Case) -> None:
+    on_rim = released_with(case, ReleaseCase(hold="rim"))
+    assert on_rim.outcome is Outcome.CONVERGED
+    assert on_rim.negative_eigenvalues == 0
+    assert on_rim.stability.negative == 1
+    assert on_rim.stability.mode is not None
+    assert any('release.symmetry = "full"' in note for note in on_rim.notes)
