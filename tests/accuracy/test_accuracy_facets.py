@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from dishes import dish, net
+from perfect_dishes import dish, net
 
 from punchform.accuracy import facets, square_cell, triangle_sigma
 

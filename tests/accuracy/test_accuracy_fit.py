@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from dishes import FOCAL_LENGTH, RADIUS, TURN, Disc, disc, dish, net, turned, with_error
+from perfect_dishes import FOCAL_LENGTH, RADIUS, TURN, Disc, disc, dish, net, turned, with_error
 
 from punchform.accuracy import (
     ALIGNMENTS,

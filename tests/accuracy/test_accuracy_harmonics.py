@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dishes import RADIUS, disc, net
+from perfect_dishes import RADIUS, disc, net
 
 from punchform.accuracy import Aperture, harmonics, statistics, tributary_areas
 

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from dishes import FOCAL_LENGTH, RADIUS, disc, dish, net, with_error
+from perfect_dishes import FOCAL_LENGTH, RADIUS, disc, dish, net, with_error
 
 from punchform.accuracy import (
     Aperture,
