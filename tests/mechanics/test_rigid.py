@@ -77,6 +77,19 @@ def test_a_clamp_holds_every_motion(surface: Surface | None) -> None:
     assert motions(free_frames(laid, surface, held=beyond(laid, 2.5 * STEP))) == 0
 
 
+def test_a_frame_that_cannot_turn_holds_a_motion_about_its_node() -> None:
+    """Nodes on an axis do not move when a flat grid turns about it: their frames alone can hold it there."""
+    for symmetry, held in (("full", 0), ("quarter", 0), ("full", -3)):
+        laid = grid(symmetry=symmetry)
+        on = laid.index[:, 0] == held
+        state = flat_start(laid, Plane())
+        clamped = free_frames(laid, None, held=on)
+        assert free_motions(laid, clamped, clamped.chart(state)) == ()
+        hinged = replace(free_frames(laid, None), fixed=np.repeat(on[:, None], 3, axis=1))
+        # In the quarter the mirror plane is the clamp.
+        assert len(free_motions(laid, hinged, hinged.chart(state))) == (1 if symmetry == "full" else 0)
+
+
 def test_free_motions_are_the_null_space_of_the_stiffness_at_rest() -> None:
     # At an unloaded state the exact Hessian has one zero eigenvalue for each rigid motion; spring crossings leave
     # no mechanism beside them.

@@ -95,7 +95,7 @@ def minimise(
             break
         negative = direction.negative
         largest = max(largest, model.size)
-        least = tolerance * max(model.size, tolerance * largest, _smallest_energy(energy))
+        least = max(tolerance * model.size, tolerance**2 * largest, _smallest_energy(energy))
         if direction.decrement <= least and exact and direction.push is None:
             state, length = _last_step(energy, chart, model, direction), 1.0
             outcome = _ending(direction)

@@ -12,32 +12,39 @@ from scipy.linalg import qr
 from punchform.arrays import Floats
 from punchform.grid import Grid
 from punchform.mechanics.frames import State, turned
-from punchform.mechanics.kinematics import UNUSED, Chart, Kinematics
+from punchform.mechanics.kinematics import UNUSED, Chart, FreeFrames, Kinematics
 
 REPRESENTED = 1e-9
 """A rigid motion is free when the unknowns follow it to this fraction of its size, rms over the nodes."""
 
+TURNS_LAST = 1e-3
+"""How much less a frame's turn weighs than a far node's shift when an unknown is chosen."""
+
 
 def free_motions(grid: Grid, kinematics: Kinematics, chart: Chart) -> tuple[int, ...]:
-    """One unknown for each independent rigid motion that the unknowns can follow at this state."""
-    x = chart.state.positions
-    rows = 2 * np.arange(grid.nodes) + np.where(grid.passes[:, 0], 0, 1)
-    shifts, unknowns = chart.R[rows, :3], kinematics.unknowns[rows]
-    generators = np.concatenate(
-        [
-            np.broadcast_to(np.eye(3)[:, None], (3, *x.shape)),
-            np.cross(np.eye(3)[:, None], x) / np.abs(x).max(),
-        ]
-    )
-    followed = np.einsum("ncs,gnc->gns", shifts, generators) * (unknowns != UNUSED)
-    missed = generators - np.einsum("ncs,gns->gnc", shifts, followed)
+    """One unknown for each independent rigid motion that nodes and frames can follow at this state."""
+    x, frames = chart.state.positions, isinstance(kinematics, FreeFrames)
+    rows = np.flatnonzero(grid.passes)
+    rates, unknowns = chart.R[rows], kinematics.unknowns[rows]
+    if not frames:
+        # Frames that follow from the shifts turn with the grid by themselves.
+        rates = np.concatenate((rates[:, :3], np.zeros_like(rates[:, 3:])), axis=1)
+    generators = np.zeros((6, len(rows), 6))
+    generators[:3, :, :3] = np.eye(3)[:, None]
+    generators[3:, :, :3] = np.cross(np.eye(3)[:, None], x[rows // 2]) / np.abs(x).max()
+    # In turns over the whole extent, so that a frame that cannot turn counts like a far node that cannot move.
+    generators[3:, :, 3:] = frames * np.eye(3)[:, None]
+    followed = np.einsum("ncs,gnc->gns", rates, generators) * (unknowns != UNUSED)
+    missed = generators - np.einsum("ncs,gns->gnc", rates, followed)
     # Singular values, not eigenvalues of the squares: what counts lies at the square root of rounding there.
     triangle = qr(missed.reshape(len(missed), -1).T, mode="r")[0][: len(missed)]
     combinations, sizes, _ = np.linalg.svd(triangle.T)
     free = combinations[:, sizes < REPRESENTED * np.sqrt(grid.nodes)]
     if not free.size:
         return ()
-    motions = np.einsum("gm,gns->mns", free, followed).reshape(free.shape[1], -1)
+    # A shift is the better pin: it holds the grid, not only one frame, where that was. Turns come last.
+    weights = np.where(np.abs(rates[:, :3]).sum(axis=1) > 0, 1.0, TURNS_LAST)
+    motions = np.einsum("gm,gns->mns", free, followed * weights).reshape(free.shape[1], -1)
     order = qr(motions, mode="r", pivoting=True)[1][: free.shape[1]]
     return tuple(sorted(int(number) for number in unknowns.ravel()[order]))
 
