@@ -138,8 +138,13 @@ def test_supports_stand_under_the_nearest_crossings(points: int, first: float) -
     assert not where_held(released)[others].any()
 
 
-def test_chosen_nodes_keep_their_places_with_their_images() -> None:
-    released = let_go(HoldNodes(nodes=((3, 2), (0, -4))))
+def test_a_quarter_holds_no_image_that_was_not_named() -> None:
+    with pytest.raises(InputError, match=r"mirror images \(-3, -2\), \(-3, 2\), \(0, 4\), \(3, -2\) too"):
+        let_go(HoldNodes(nodes=((3, 2), (0, -4))))
+
+
+def test_chosen_nodes_keep_their_places() -> None:
+    released = let_go(HoldNodes(nodes=((3, 2), (-3, 2), (3, -2), (-3, -2), (0, 4), (0, -4))))
     held = nodes_at(released, (3, 2), (-3, 2), (3, -2), (-3, -2), (0, 4), (0, -4))
     np.testing.assert_allclose(released.moved[held], 0.0, atol=1e-12)
     assert set(np.flatnonzero(where_held(released).any(axis=1))) <= set(held)

@@ -119,13 +119,26 @@ def _demand_mirrored(places: Floats, hold: HoldPoints) -> None:
             )
 
 
+def _demand_images(nodes: tuple[tuple[int, int], ...]) -> None:
+    lacking = {(a * i, b * j) for i, j in nodes for a in (1, -1) for b in (1, -1)} - set(nodes)
+    if lacking:
+        some = ", ".join(map(str, sorted(lacking)[:4])) + (", ..." if len(lacking) > 4 else "")
+        raise InputError.of(
+            f"a quarter is solved, which would hold the mirror images {some} too",
+            where="release.hold.nodes",
+            hint='name them as well, or write release.symmetry = "full"',
+        )
+
+
 def _numbered(grid: Grid, nodes: tuple[tuple[int, int], ...]) -> Bools:
-    """The nodes with these numbers (i, j), and with a quarter grid their images too."""
+    """The nodes with these numbers (i, j); of a quarter grid, which holds their images too, they must all be named."""
     wanted = grid.subdivide * (np.abs(nodes) if grid.quarter else np.asarray(nodes))
     here = {tuple(number): place for place, number in enumerate(grid.index.tolist())}
     missing = [given for given, one in zip(nodes, wanted.tolist(), strict=True) if tuple(one) not in here]
     if missing:
         raise InputError(Problem(f"the grid has no crossing {one}", "release.hold.nodes") for one in missing[:20])
+    if grid.quarter:
+        _demand_images(nodes)
     on = np.zeros(grid.nodes, dtype=bool)
     on[[here[tuple(one)] for one in wanted.tolist()]] = True
     return on
