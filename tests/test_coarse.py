@@ -18,9 +18,7 @@ DEEP = surface(PunchCase(profile=ParaboloidProfile(focal_length=60.0), rim_radiu
 
 
 def case(step: float, symmetry: str = "quarter", centre: str = "node") -> GridCase:
-    return GridCase(
-        step=(step, step), blank=CircleBlank(radius=150.0), symmetry=symmetry, centre=centre, weave="same"
-    )
+    return GridCase(step=(step, step), blank=CircleBlank(radius=150.0), symmetry=symmetry, centre=centre, weave="same")
 
 
 @pytest.mark.parametrize("symmetry", ["quarter", "full"])

@@ -1,5 +1,5 @@
-"""Sixty releases of dishes, deep to shallow, soft to stiff, under every kind of hold: each ends in a minimum, in a saddle
-that is explained, or in an honest failure with advice."""
+"""Sixty releases of dishes, deep to shallow, soft to stiff, under every kind of hold: each ends in a minimum, or in a
+saddle that is explained."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from punchform.case import (
     ReleaseCase,
     read_case,
 )
-from punchform.errors import NoEquilibrium
 from punchform.grid import lay
 from punchform.press import press
 from punchform.punch import surface
@@ -32,7 +31,7 @@ MOST = 40
 
 @pytest.mark.parametrize("crossing", ["pinned", CrossingSpring(stiffness=50.0), "welded"], ids=str)
 @pytest.mark.parametrize("ratio", [0.3, 0.4, 0.55, 0.8])
-def test_every_release_ends_in_a_minimum_or_says_why_not(ratio: float, crossing: str | CrossingSpring) -> None:
+def test_every_release_ends_in_a_minimum_or_says_what_it_is(ratio: float, crossing: str | CrossingSpring) -> None:
     case = read_case("packaged:check")
     profile = ParaboloidProfile(focal_length=ratio * 2 * RIM)
     punch = surface(PunchCase(profile=profile, rim_radius=RIM, fillet=0.1 * RIM))
@@ -40,12 +39,7 @@ def test_every_release_ends_in_a_minimum_or_says_why_not(ratio: float, crossing:
     elements = stiffness(case.wire, case.grid.step)
     formed = press(laid, elements, punch, PressCase(), crossing=crossing)
     for hold in HOLDS:
-        try:
-            gone = release(formed, elements, ReleaseCase(hold=hold), PressCase(), crossing=crossing)
-        except NoEquilibrium as error:
-            assert "release" in str(error)
-            assert "hold" in str(error) or "raise" in str(error)
-            continue
+        gone = release(formed, elements, ReleaseCase(hold=hold), PressCase(), crossing=crossing)
         assert gone.outcome.usable
         assert gone.energy <= formed.energy
         assert gone.factorisations <= MOST
