@@ -173,3 +173,19 @@ def test_on_its_rim_alone_the_released_quarter_is_not_what_the_whole_grid_keeps(
     assert on_rim.stability.negative == 1
     assert on_rim.stability.mode is not None
     assert any('release.symmetry = "full"' in note for note in on_rim.notes)
+
+
+def test_the_chord_gives_the_figures_that_the_theory_tells(case: Case) -> None:
+    done = run(changed(case, press={"frame": "chord"}))
+    assert done.formed.energy == pytest.approx(6614.378, abs=1e-3)
+    found = done.formed.whole.positions[at(done.formed.whole, 20, 20)]
+    np.testing.assert_allclose(found, (147.87361, 147.87091, 41.51132), rtol=0, atol=1e-4)
+    gone = done.released
+    assert gone is not None
+    assert gone.energy == pytest.approx(2385.606, abs=1e-3)
+    assert gone.apex == pytest.approx(1.1041, abs=1e-4)
+    assert gone.max_sag == pytest.approx(-19.0594, abs=1e-4)
+    assert tuple(gone.whole.index[gone.lowest]) == (22, 21)
+    np.testing.assert_allclose(
+        gone.whole.positions[at(gone.whole, 20, 20)], (143.27996, 143.28392, 23.42411), rtol=0, atol=1e-4
+    )
