@@ -61,7 +61,7 @@ def paper_problem() -> tuple[Grid, Energy, State]:
     """The check case in the paper's kinematics: differences, offset `lower`, every wire rising."""
     case = read_case("packaged:check")
     paper = PressCase(kinematics="differences", offset="lower")
-    punch = surface(case.punch)
+    punch = surface(case.tool)
     grid = lay(case.grid.model_copy(update={"weave": "same"}), rim_radius=punch.rim_radius)
     start = flat_start(grid, punch)
     return grid, energy_of(grid, stiffness(case.wire, case.grid.step), punch, paper, start=start), start

@@ -38,7 +38,7 @@ REPEATS = 3
 def hessian(*, large: bool) -> tuple[str, Pattern, Floats, Floats]:
     """A name, the pattern, the values near the minimum, and the gradient two steps before as right-hand side."""
     case = read_case("packaged:check")
-    punch_case, blank = case.punch, case.grid.blank
+    punch_case, blank = case.tool, case.grid.blank
     if large:
         punch_case = PunchCase(
             profile=ParaboloidProfile(kind="paraboloid", focal_length=500), rim_radius=1200, fillet=30

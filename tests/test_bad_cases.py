@@ -78,7 +78,7 @@ TABLE: list[tuple[str, str, str, str]] = [
     (
         'shape = "circle"',
         'shape = "oval"',
-        "6: grid.blank.shape: expected 'circle', 'rectangle' or",
+        "6: grid.blank.shape: expected 'circle', 'rectangle', 'polygon' or 'wires', not 'oval'",
         "there are: ",
     ),
     (RIM, 'rim = "drawn"', "18: press.rim: expected 'draw' or 'clamp', not 'drawn'", "did you mean `draw`?"),

@@ -76,7 +76,7 @@ def test_the_check_case_is_in_internal_units() -> None:
     assert case.grid.blank == CircleBlank(radius=345.0)
     assert case.wire.youngs_modulus == 210000.0
     assert case.wire.centreline == CosineLine(height=0.75, segments=64)
-    assert case.punch == PunchCase(profile=ParaboloidProfile(focal_length=250), rim_radius=300, fillet=30)
+    assert case.tool == PunchCase(profile=ParaboloidProfile(focal_length=250), rim_radius=300, fillet=30)
     assert case.release == ReleaseCase(hold=HoldFrom(from_radius=300))
     assert case.target is not None
     assert case.target.tolerance == 1.0
@@ -93,7 +93,7 @@ def test_what_may_be_left_out() -> None:
     assert (case.wire.poisson, case.wire.shear_factor, case.wire.yield_strength) == (0.3, 0.9, None)
     assert case.wire.centreline == CosineLine(height=0.75, segments=64)
     assert case.wire.height == 0.75
-    assert case.punch.fillet == 30.0
+    assert case.tool.fillet == 30.0
     assert case.press == PressCase()
     assert case.solver == SolverCase(linear="auto", max_steps=200, tolerance=1e-12)
     assert case.release is None
@@ -119,7 +119,7 @@ def test_a_case_cannot_be_changed() -> None:
 def test_contradictions_are_found_in_cases_built_in_python_too() -> None:
     case = read_case("packaged:check")
     with pytest.raises(InputError, match="pull contradicts"):
-        Case(grid=case.grid, wire=case.wire, punch=case.punch, press=PressCase(pull=(1.0, 1.0), rim="clamp"))
+        Case(grid=case.grid, wire=case.wire, punch=case.tool, press=PressCase(pull=(1.0, 1.0), rim="clamp"))
 
 
 def test_the_kinematics_of_the_paper_reads_back_the_same() -> None:
@@ -175,7 +175,7 @@ def test_points_come_from_a_file_beside_the_case(tmp_path: Path) -> None:
     case = read_case(tmp_path / "dish.toml")
     assert case.wire.centreline == PointsLine(points=((0, 0), (3.75, 0.3), (7.5, 0.75)))
     assert case.wire.height == 0.75
-    assert case.punch.profile == TableProfile(points=((0, 90), (100, 80), (300, 0)))
+    assert case.tool.profile == TableProfile(points=((0, 90), (100, 80), (300, 0)))
     assert case_from_text(write_case(case)) == case
 
 
@@ -229,7 +229,8 @@ def test_lines_of_keys(text: str, path: tuple[str | int, ...], line: int) -> Non
 def test_the_schema_tells_units_and_what_is_needed() -> None:
     schema = json_schema()
     parts = schema["$defs"]
-    assert schema["required"] == ["schema", "grid", "wire", "punch"]
+    assert schema["required"] == ["schema", "grid", "wire"]
+    assert schema["oneOf"][0] == {"required": ["punch"]}
     assert schema["additionalProperties"] is False
     assert "[mm]" in parts["PunchCase"]["properties"]["rim_radius"]["description"]
     assert parts["SphereProfile"]["required"] == ["kind", "radius"]

@@ -55,7 +55,7 @@ def test_a_height_that_contradicts_the_centreline_is_refused() -> None:
 
 
 def test_a_fillet_that_was_left_out_follows_the_rim() -> None:
-    punch = case_from_text(SHORT).punch
+    punch = case_from_text(SHORT).tool
     assert punch.model_copy(update={"rim_radius": 200.0}).fillet == 20.0
     assert punch.model_copy(update={"fillet": 5.0}).model_copy(update={"rim_radius": 200.0}).fillet == 5.0
 
@@ -66,7 +66,7 @@ def test_copies_are_checked() -> None:
     with pytest.raises(ValidationError, match="setp"):
         case.grid.model_copy(update={"setp": 6.0})
     with pytest.raises(InputError, match="not to the rim"):
-        case.model_copy(update={"punch": case.punch.model_copy(update={"rim_radius": 400.0})})
+        case.model_copy(update={"punch": case.tool.model_copy(update={"rim_radius": 400.0})})
 
 
 @pytest.mark.parametrize("name", ["check", "paper"])

@@ -210,7 +210,7 @@ def test_a_target_with_the_profile_of_the_punch_is_the_punch(run: Path, tmp_path
     from punchform.punch import surface
 
     inside = done.target.inside
-    np.testing.assert_allclose(done.target.value[inside], surface(case.punch).distance(done.aligned)[inside], atol=1e-9)
+    np.testing.assert_allclose(done.target.value[inside], surface(case.tool).distance(done.aligned)[inside], atol=1e-9)
     assert predicted.stage == "released"
 
 

@@ -290,5 +290,5 @@ def test_a_sharper_punch_is_let_through_when_the_wires_are_cut() -> None:
     cut = coarse.model_copy(update={"grid": coarse.grid.model_copy(update={"subdivide": 4})})
     assert len(prepare(cut).elements) == 8
     # The net has straight edges between crossings, however the wires are cut.
-    smooth = cut.model_copy(update={"punch": cut.punch.model_copy(update={"fillet": 71.0})})
+    smooth = cut.model_copy(update={"punch": cut.tool.model_copy(update={"fillet": 71.0})})
     assert drape(smooth).grid.subdivide == 1

@@ -21,10 +21,12 @@ if TYPE_CHECKING:
     from punchform.press import Formed as Formed
     from punchform.run import Run as Run
     from punchform.run import run as run
+    from punchform.shell import Shell as Shell
+    from punchform.shell import form_shell as form_shell
 
 __version__ = "0.1.0"
 
-__all__ = ["Case", "Drape", "Formed", "Run", "__version__", "drape", "read_case", "run"]
+__all__ = ["Case", "Drape", "Formed", "Run", "Shell", "__version__", "drape", "form_shell", "read_case", "run"]
 
 _HOMES = {
     "Case": "case",
@@ -34,6 +36,8 @@ _HOMES = {
     "Formed": "press",
     "Run": "run",
     "run": "run",
+    "Shell": "shell",
+    "form_shell": "shell",
 }
 _VERBS = ("run", "drape")
 

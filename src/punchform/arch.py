@@ -47,7 +47,7 @@ def arched(grid: Grid, wires: tuple[tuple[Ints, ...], tuple[Ints, ...]], held: I
             if known.sum() < 2:
                 raise InputError.of(
                     "a wire hangs loose: too few of the wires that cross it are held at both ends",
-                    where="ends",
+                    where="press.ends",
                     hint="say where its own two ends go",
                 )
             place[nodes] = _between(s, s[known], place[nodes][known])

@@ -119,7 +119,7 @@ def drape(
     is not between 0 and a right angle. A net that locks or ends is an answer: see its notes.
     """
     begun = perf_counter()
-    _refuse(case.punch.rim_radius, origin, shear_limit)
+    _refuse(case.tool.rim_radius, origin, shear_limit)
     straight = origin is None and direction == 0.0
     if not kernels_are_compiled(geodesics=not straight):
         observe(Progress("drape", message="compiling the kernels; only the first run does this"))

@@ -14,8 +14,8 @@ import numpy as np
 
 from punchform.arch import arched
 from punchform.arrays import Floats, Ints
-from punchform.case import CrossingSpring, PressCase, SolverCase
-from punchform.ends import End, nodes_of
+from punchform.case import CrossingSpring, End, PressCase, SolverCase
+from punchform.ends import nodes_of
 from punchform.errors import NoEquilibrium
 from punchform.holds import Held
 from punchform.mechanics.frames import squared

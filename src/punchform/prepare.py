@@ -30,11 +30,12 @@ class Prepared:
 def prepare(case: Case) -> Prepared:
     """Build wire, punch, target and grid of a case.
 
-    Raises InputError with the problems of all four, not only of the first that fails.
+    Raises InputError with the problems of all four, not only of the first that fails, and for a case without punch.
     """
+    tool = case.tool
     problems: list[Problem] = []
     elements = _tried(lambda: pieces(stiffness(case.wire, case.grid.step), case.grid.subdivide), problems)
-    punch = _tried(lambda: surface(case.punch), problems)
+    punch = _tried(lambda: surface(tool), problems)
     doubts: tuple[Problem, ...] = ()
     if punch is not None:
         errors, doubts = check_sharpness(punch, _finest(case))
@@ -46,7 +47,7 @@ def prepare(case: Case) -> Prepared:
     grid = _tried(
         lambda: lay(
             case.grid,
-            rim_radius=case.punch.rim_radius,
+            rim_radius=tool.rim_radius,
             mirror_planes=wire_mirrors and punch_mirrors,
             reason="the punch has none" if wire_mirrors else "the wire is crimped out of its plane",
         ),

@@ -81,4 +81,4 @@ def _whole_grid(case: Case, ready: Prepared) -> Grid | None:
     assert case.release is not None
     if case.release.symmetry == "as pressed" or not ready.grid.quarter:
         return None
-    return lay(case.grid.model_copy(update={"symmetry": "full"}), rim_radius=case.punch.rim_radius)
+    return lay(case.grid.model_copy(update={"symmetry": "full"}), rim_radius=case.tool.rim_radius)

@@ -15,8 +15,16 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from punchform.arch import arched
-from punchform.case import CircleBlank, CrossingSpring, GridCase, StraightLine, WireCase
-from punchform.ends import COLUMNS, End, read_ends
+from punchform.case import (
+    COLUMNS,
+    CircleBlank,
+    CrossingSpring,
+    End,
+    GridCase,
+    StraightLine,
+    WireCase,
+    read_ends,
+)
 from punchform.errors import InputError
 from punchform.grid import lay
 from punchform.gridshell import Gridshell, gridshell, straight_elements

@@ -32,7 +32,7 @@ def scene(shape: Predicted, case: Case | None = None) -> Scene:
         prediction=sheet(shape.index, shape.flat, shape.nodes),
         target=target_of(case),
         nodes={(int(i), int(j)): number for number, (i, j) in enumerate(shape.index)},
-        rim_radius=case.punch.rim_radius,
+        rim_radius=case.tool.rim_radius,
         step=15.0,
     )
 

@@ -1,6 +1,16 @@
 """The case: what the user asks for, read from a file, checked, in internal units (mm, N, MPa, rad)."""
 
-from punchform.case.grid import Blank, CircleBlank, CrossingSpring, GridCase, PolygonBlank, RectangleBlank
+from punchform.case.ends import COLUMNS, End, EndCase, read_ends
+from punchform.case.grid import (
+    Blank,
+    CircleBlank,
+    CrossingSpring,
+    GridCase,
+    PolygonBlank,
+    RectangleBlank,
+    SingleWire,
+    WiresBlank,
+)
 from punchform.case.load import LoadCase, PointForce, WindCase
 from punchform.case.memory import machine_memory
 from punchform.case.packaged import TEMPLATE, packaged_cases, packaged_text
@@ -26,6 +36,7 @@ from punchform.case.wire import Centreline, CosineLine, PointsLine, StraightLine
 from punchform.case.writing import write_case
 
 __all__ = [
+    "COLUMNS",
     "TEMPLATE",
     "Blank",
     "Case",
@@ -37,6 +48,8 @@ __all__ = [
     "CrossingSpring",
     "DescentCase",
     "EllipsoidProfile",
+    "End",
+    "EndCase",
     "ExpressionProfile",
     "FlatProfile",
     "GridCase",
@@ -56,6 +69,7 @@ __all__ = [
     "RectangleBlank",
     "ReleaseCase",
     "Rib",
+    "SingleWire",
     "SolverCase",
     "SphereProfile",
     "StraightLine",
@@ -63,6 +77,7 @@ __all__ = [
     "TargetCase",
     "WindCase",
     "WireCase",
+    "WiresBlank",
     "case_from_text",
     "json_schema",
     "machine_memory",
@@ -70,6 +85,7 @@ __all__ = [
     "packaged_text",
     "parse",
     "read_case",
+    "read_ends",
     "read_text",
     "write_case",
 ]

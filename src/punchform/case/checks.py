@@ -7,8 +7,8 @@ checks that need it are passed over, so that all problems of a file can be told 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
+from punchform.case.findings import Finding
 from punchform.case.grid import CircleBlank, GridCase, PolygonBlank, RectangleBlank
 from punchform.case.load import LoadCase
 from punchform.case.memory import (
@@ -21,17 +21,9 @@ from punchform.case.memory import (
 from punchform.case.press import PressCase, SolverCase
 from punchform.case.punch import PunchCase
 from punchform.case.release import HoldFrom, ReleaseCase
+from punchform.case.shell_checks import shell_findings
 from punchform.case.target import TargetCase
 from punchform.case.wire import PAPER_DIAMETER, StraightLine, WireCase, rise
-
-
-@dataclass(frozen=True)
-class Finding:
-    """One contradiction: the path of the key that is best changed, what is wrong, what to do."""
-
-    key: tuple[str | int, ...]
-    message: str
-    hint: str = ""
 
 
 def findings(
@@ -47,7 +39,7 @@ def findings(
 ) -> Iterator[Finding]:
     """All contradictions between (and inside) the sections that are given."""
     if grid:
-        yield from _grid_fits_machine(grid)
+        yield from _grid_fits_machine(_solved_part(grid, press))
         yield from _polygon_has_area(grid)
     if wire:
         yield from _wire_is_described_once(wire)
@@ -65,6 +57,12 @@ def findings(
         yield from _load_can_act(load, wire, release)
     if punch and target:
         yield from _aperture_inside_rim(punch, target)
+    yield from shell_findings(grid=grid, wire=wire, punch=punch, press=press, release=release, load=load, target=target)
+
+
+def _solved_part(grid: GridCase, press: PressCase | None) -> GridCase:
+    """Wire ends may go anywhere, so that a gridshell is solved as a whole."""
+    return grid.model_copy(update={"symmetry": "full"}) if press and press.ends is not None else grid
 
 
 def _grid_fits_machine(grid: GridCase) -> Iterator[Finding]:

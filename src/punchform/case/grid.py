@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Discriminator, Field, Tag, field_serializer, field_validator
+from pydantic import Discriminator, Field, Tag, field_serializer, field_validator, model_validator
 
-from punchform.case.parts import Count, Length, Part, PositiveLength, PositiveRotaryStiffness
+from punchform.case.parts import Count, Length, MisfitError, Part, PositiveLength, PositiveRotaryStiffness
 from punchform.units import LENGTH, show
 
 MOST_PIECES = 64
@@ -35,7 +35,41 @@ class PolygonBlank(Part):
     )
 
 
-Blank = Annotated[CircleBlank | RectangleBlank | PolygonBlank, Discriminator("shape")]
+class SingleWire(Part):
+    """One straight wire, so many steps from the axis it is parallel to."""
+
+    family: Literal[1, 2] = Field(description="1: along x; 2: along y")
+    wire: int = Field(strict=True, description="its number: 0 on the axis, and one more with every step")
+    low: Length = Field(description="where it begins, along itself from the other axis [mm]")
+    high: Length = Field(description="where it ends [mm]")
+
+    @model_validator(mode="after")
+    def _has_length(self) -> Self:
+        if self.low >= self.high:
+            raise MisfitError(f"from {self.low:g} mm to {self.high:g} mm a wire has no length", key=("high",))
+        return self
+
+
+class WiresBlank(Part):
+    """No outline but single wires, each with its own ends: for a gridshell."""
+
+    shape: Literal["wires"] = "wires"
+    wires: tuple[SingleWire, ...] = Field(description="the wires of both families")
+
+    @model_validator(mode="after")
+    def _numbered(self) -> Self:
+        for family in (1, 2):
+            numbers = sorted(wire.wire for wire in self.wires if wire.family == family)
+            if 0 not in numbers or numbers != list(range(numbers[0], numbers[-1] + 1)):
+                given = ", ".join(map(str, numbers)) or "none"
+                raise MisfitError(
+                    f"the wires of family {family} are numbered without a gap, 0 among them, each once: not {given}",
+                    key=("wires",),
+                )
+        return self
+
+
+Blank = Annotated[CircleBlank | RectangleBlank | PolygonBlank | WiresBlank, Discriminator("shape")]
 
 
 class CrossingSpring(Part):

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
+from punchform.case.ends import EndCase, ends_in_place_of_file
 from punchform.case.parts import Count, Force, Part, PositiveCompliance, Quantity
 from punchform.units import NUMBER
 
@@ -24,8 +25,11 @@ class DescentCase(Part):
     max_steps: Count = Field(default=20_000, description="steps after which the descent stops")
 
 
+Ends = Annotated[tuple[EndCase, ...], BeforeValidator(ends_in_place_of_file)]
+
+
 class PressCase(Part):
-    """How the grid is pressed onto the punch, and by which formulation."""
+    """How the grid is pressed onto the punch, and by which formulation; or where its wire ends go without one."""
 
     kinematics: Literal["free", "differences"] = Field(
         default="free",
@@ -38,7 +42,7 @@ class PressCase(Part):
         default="auto",
         description="where an element's deformation is read: O: in the paper's frame at its end O, Eq. (3.2); chord: "
         "from the line between its ends, Eq. (3.12), which stays right at large bends and pulls; auto: chord where the "
-        "rim is clamped, else O",
+        "rim is clamped or wire ends are given, else O",
     )
     rim: Literal["draw", "clamp"] = Field(
         default="draw", description="draw: the flange slides in freely; clamp: held from the rim outwards"
@@ -55,10 +59,17 @@ class PressCase(Part):
     )
     descent: DescentCase = Field(default=DescentCase(), description="only used with method = 'descent'")
 
+    ends: Ends | None = Field(
+        default=None,
+        description="without a punch: where the wire ends go, as a CSV file with the columns family, wire, end, x, y, "
+        "z [mm], relative to the case file, or as a list of { family, wire, end, point }",
+    )
+
     @property
     def chord(self) -> bool:
         """Whether deformations are read from the chord."""
-        return self.frame == "chord" or (self.frame == "auto" and self.rim == "clamp")
+        far = self.rim == "clamp" or self.ends is not None
+        return self.frame == "chord" or (self.frame == "auto" and far)
 
 
 class SolverCase(Part):

@@ -21,7 +21,7 @@ from punchform.case.press import PressCase, SolverCase
 from punchform.case.punch import PunchCase
 from punchform.case.release import ReleaseCase
 from punchform.case.target import TargetCase
-from punchform.case.whole import SCHEMA, SECTIONS, Case
+from punchform.case.whole import NO_PUNCH, NO_PUNCH_HINT, SCHEMA, SECTIONS, Case
 from punchform.case.wire import WireCase
 from punchform.case.wording import UNKNOWN, explain, meant
 from punchform.errors import InputError, Problem
@@ -41,7 +41,8 @@ _MODELS: dict[str, type[BaseModel]] = {
     "target": TargetCase,
 }
 _Found = tuple[KeyPath, str, str]
-_NEEDED = ("grid", "wire", "punch")
+_KEY = re.compile(r"[^.\[\]]+")
+_NEEDED = ("grid", "wire")
 
 
 @dataclass(frozen=True)
@@ -57,8 +58,8 @@ class CaseText:
         lines = key_lines(self.text)
         problems = []
         for problem in error.problems:
-            path = tuple(problem.where.split("."))
-            known = path[0] in SECTIONS
+            path = tuple(int(key) if key.isdecimal() else key for key in _KEY.findall(problem.where))
+            known = bool(path) and path[0] in SECTIONS
             where = f"{self.name}:{line_of(lines, path)}: {problem.where}" if known else problem.where
             problems.append(replace(problem, where=where))
         return InputError(problems)
@@ -188,6 +189,9 @@ def _top_level(document: Mapping[str, Any]) -> list[_Found]:
         for name in _NEEDED
         if name not in document
     ]
+    press = document.get("press")
+    if "punch" not in document and not (isinstance(press, Mapping) and "ends" in press):
+        problems.append((("punch",), NO_PUNCH, NO_PUNCH_HINT))
     known = ("schema", "title", *SECTIONS)
     problems += [((name,), UNKNOWN, meant(name, known)) for name in document if name not in known]
     return problems

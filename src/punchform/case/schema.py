@@ -15,6 +15,9 @@ def json_schema() -> dict[str, Any]:
     schema = Case.model_json_schema(by_alias=True)
     parts = schema["$defs"]
     schema["required"] = ["schema", *schema["required"]]
+    ends = {"required": ["press"], "properties": {"press": {"required": ["ends"]}}}
+    schema["oneOf"] = [{"required": ["punch"]}, ends]
+    parts["PressCase"]["properties"]["ends"]["anyOf"].insert(0, {"type": "string"})
     for part in parts.values():
         choice = [key for key in ("kind", "shape") if "const" in part["properties"].get(key, {})]
         part["required"] = [*choice, *part.get("required", [])]

@@ -33,7 +33,7 @@ def points_in_place_of_file(values: Any, info: ValidationInfo) -> Any:
 
 def _rows(path: Path) -> list[list[float]]:
     rows: list[list[float]] = []
-    for number, line in enumerate(_lines(path), start=1):
+    for number, line in enumerate(lines_of(path, key=("file",)), start=1):
         words = [word for word in re.split(r"[,;\s]+", line.split("#")[0].strip()) if word]
         if not words:
             continue
@@ -57,15 +57,16 @@ def _rows(path: Path) -> list[list[float]]:
     return rows
 
 
-def _lines(path: Path) -> list[str]:
+def lines_of(path: Path, *, key: tuple[str, ...]) -> list[str]:
+    """The lines of a file that the case names at `key`. Raises MisfitError when it cannot be read."""
     try:
         return path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError:
-        raise MisfitError(f"{path.name} is not UTF-8 text", key=("file",)) from None
+        raise MisfitError(f"{path.name} is not UTF-8 text", key=key) from None
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise MisfitError(
             f"cannot read {path}: {reason}",
-            key=("file",),
+            key=key,
             hint="the name is relative to the folder of the case file",
         ) from None

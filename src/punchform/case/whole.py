@@ -33,7 +33,7 @@ class Case(Part):
     title: str = Field(default="untitled", description="what the reports call this case", max_length=200)
     grid: GridCase = Field(description="the flat grid")
     wire: WireCase = Field(description="one wire between two crossings")
-    punch: PunchCase = Field(description="the tool")
+    punch: PunchCase | None = Field(default=None, description="the tool; absent where press.ends moves the wire ends")
     press: PressCase = Field(default=PressCase(), description="how the grid is pressed")
     solver: SolverCase = Field(default=SolverCase(), description="how the energy is minimised")
     release: ReleaseCase | None = Field(default=None, description="what stays held after the press")
@@ -45,8 +45,29 @@ class Case(Part):
         found = tuple(findings(**{name: getattr(self, name) for name in SECTIONS}))
         if found:
             raise InputError(Problem(one.message, ".".join(map(str, one.key)), one.hint) for one in found)
+        if self.punch is None and self.press.ends is None:
+            raise InputError.of(NO_PUNCH, where="punch", hint=NO_PUNCH_HINT)
         return self
 
+    @property
+    def tool(self) -> PunchCase:
+        """The punch. Raises InputError for a gridshell, which is made without one."""
+        if self.punch is None:
+            raise InputError.of(
+                "there is no punch: the wire ends of this case go to given points, which makes a gridshell",
+                where="press.ends",
+                hint="`punchform form` makes it; for everything else give a [punch] in place of press.ends",
+            )
+        return self.punch
+
+    @property
+    def rim_radius(self) -> float | None:
+        """Radius of the rim of the punch [mm], None without one."""
+        return None if self.punch is None else self.punch.rim_radius
+
+
+NO_PUNCH = "this section is missing"
+NO_PUNCH_HINT = "add a table [punch], or say in press.ends where the wire ends go; `punchform new FILE` shows both"
 
 SECTIONS: tuple[str, ...] = ("grid", "wire", "punch", "press", "solver", "release", "load", "target")
 """The tables of a case file in the order in which they are written."""

@@ -18,7 +18,7 @@ from punchform.cli.exits import Exit
 from punchform.cli.talk import say
 from punchform.errors import InputError, NoEquilibrium
 
-CASE_HELP = "case file, or packaged:check, packaged:paper for a case that comes with the program"
+CASE_HELP = "case file, or packaged:check, packaged:paper, packaged:gridshell for a case that comes with the program"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -150,7 +150,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"punchform {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
-    _add_run(commands.add_parser("form", help="press the grid of a case over its punch"))
+    _add_run(commands.add_parser("form", help="press the grid of a case over its punch, or move its wire ends"))
 
     drape = commands.add_parser("drape", help="lay the grid over the punch with wires of constant length, no solve")
     _add_run(drape)

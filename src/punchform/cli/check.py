@@ -7,6 +7,7 @@ from punchform.cli.exits import Exit
 from punchform.cli.talk import say
 from punchform.errors import InputError
 from punchform.prepare import prepare
+from punchform.shell import prepare_shell
 
 
 def check(path: str) -> Exit:
@@ -14,6 +15,10 @@ def check(path: str) -> Exit:
     source = read_text(path)
     case = parse(source)
     try:
+        if case.press.ends is not None:
+            laid = prepare_shell(case).laid
+            print(f"{path}: usable; a gridshell of {sum(map(len, laid.nodes))} wires, {len(case.press.ends)} ends held")
+            return Exit.DONE
         ready = prepare(case)
     except InputError as error:
         raise source.placed(error) from None

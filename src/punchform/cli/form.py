@@ -7,6 +7,7 @@ from pathlib import Path
 
 from punchform.case import parse, read_text
 from punchform.cli.exits import Exit
+from punchform.cli.shell import form_gridshell
 from punchform.cli.talk import Talk, say
 from punchform.errors import InputError
 from punchform.export.result import all_notes, largest
@@ -18,7 +19,7 @@ from punchform.store import RESULT, check_folder, write_run
 
 
 def form(path: str, output: str, *, overwrite: bool, quiet: bool, as_json: bool) -> Exit:
-    """Press the grid of a case over its punch and write the run folder.
+    """Press the grid of a case over its punch, or move its wire ends, and write the run folder.
 
     Raises InputError for a case or folder that cannot be used (before anything is solved where possible) and
     NoEquilibrium when the solve ends without one.
@@ -26,6 +27,8 @@ def form(path: str, output: str, *, overwrite: bool, quiet: bool, as_json: bool)
     source = read_text(path)
     case = parse(source)
     check_folder(output, overwrite=overwrite)
+    if case.press.ends is not None:
+        return form_gridshell(source, case, output, overwrite=overwrite, quiet=quiet, as_json=as_json)
     with Talk(quiet=quiet) as talk:
         try:
             done = run(case, observe=talk)

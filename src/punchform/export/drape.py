@@ -17,7 +17,7 @@ from punchform.export.tables import write_nodes
 from punchform.export.vtp import write_vtp
 
 if TYPE_CHECKING:
-    from punchform.press import Formed
+    from punchform.solved import Solved
 
 OUTLINE, LENGTHS = "outline.csv", "wire_lengths.csv"
 
@@ -63,8 +63,8 @@ def reached_nodes(done: Drape) -> int:
 def write_drape_tables(done: Drape, *, nodes: Path, shape: Path, outline: Path, lengths: Path) -> None:
     """Write nodes.csv (its contact_force is empty), shape.vtp, outline.csv and wire_lengths.csv. Raises OSError."""
     # The tables ask of a formed grid no more than positions here.
-    write_nodes(nodes, cast("Formed", done.formed))
-    write_vtp(shape, cast("Formed", placed(done.formed)))
+    write_nodes(nodes, cast("Solved", done.formed))
+    write_vtp(shape, cast("Solved", placed(done.formed)))
     rim, wires = done.rim, done.wires
     rows = np.column_stack((np.degrees(rim.directions), rim.flat, rim.positions))
     _write_table(outline, "direction_deg,x0,y0,x,y,z", rows)

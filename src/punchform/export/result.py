@@ -46,9 +46,9 @@ def result(run: Run) -> dict[str, object]:
         "accuracy": None if run.accuracy is None else accuracy_json(run.accuracy),
         "notes": list(all_notes(run)),
     }
-    plain = _plain(content)
-    assert isinstance(plain, dict)
-    return plain
+    filled = plain(content)
+    assert isinstance(filled, dict)
+    return filled
 
 
 def all_notes(run: Run) -> tuple[str, ...]:
@@ -66,14 +66,14 @@ def largest(values: Floats) -> float | None:
 
 def _formed(formed: Formed) -> dict[str, object]:
     contact = formed.whole.contact
-    return _solved(formed) | {
+    return stage_result(formed) | {
         "draw_in_mm": formed.draw_in,
         "contact": {"min_N": contact.min(), "max_N": contact.max(), "push_N": formed.push},
     }
 
 
 def _released(released: Released) -> dict[str, object]:
-    return _solved(released) | {
+    return stage_result(released) | {
         "apex_mm": released.apex,
         "max_sag_mm": released.max_sag,
         "max_sag_node": released.whole.index[released.lowest].tolist(),
@@ -84,7 +84,7 @@ def _released(released: Released) -> dict[str, object]:
 
 
 def _loaded(loaded: Loaded) -> dict[str, object]:
-    return _solved(loaded) | {
+    return stage_result(loaded) | {
         "load_N": loaded.load,
         "rms_deflection_mm": loaded.rms_deflection,
         "largest_deflection_mm": loaded.largest_deflection,
@@ -94,7 +94,7 @@ def _loaded(loaded: Loaded) -> dict[str, object]:
     }
 
 
-def _solved(stage: Solved) -> dict[str, object]:
+def stage_result(stage: Solved) -> dict[str, object]:
     """What result.json tells of every stage."""
     return {
         "energy_mJ": stage.energy,
@@ -124,12 +124,12 @@ def _solved(stage: Solved) -> dict[str, object]:
     }
 
 
-def _plain(value: object) -> object:
+def plain(value: object) -> object:
     """Numpy numbers as Python's, mappings and sequences as dict and list, non-finite numbers as None."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, float) and not math.isfinite(value):

@@ -10,7 +10,6 @@ import numpy as np
 from punchform.arrays import Floats, Ints
 
 if TYPE_CHECKING:
-    from punchform.press import Formed
     from punchform.solved import Solved
 
 NODE_COLUMNS = ("i", "j", "x0", "y0", "x", "y", "z", "xr", "yr", "zr", "contact_force")
@@ -23,7 +22,7 @@ WIRE_COLUMNS = (
 _ROWS_AT_ONCE = 20_000
 
 
-def nodes_csv(formed: Formed, released: Floats | None = None) -> str:
+def nodes_csv(formed: Solved, released: Floats | None = None) -> str:
     """The text of nodes.csv: all crossings and wire ends of the whole grid, sorted by i, then j.
 
     Parameters: the formed grid; released positions (N, 3) [mm] in the order of its nodes, None before a
@@ -55,7 +54,7 @@ def wires_csv(stage: Solved) -> str:
     return _csv(WIRE_COLUMNS, labels[order], values[order])
 
 
-def write_nodes(path: Path, formed: Formed, released: Floats | None = None) -> None:
+def write_nodes(path: Path, formed: Solved, released: Floats | None = None) -> None:
     """Write nodes.csv; see `nodes_csv`. Raises OSError."""
     path.write_text(nodes_csv(formed, released), encoding="utf-8", newline="\n")
 

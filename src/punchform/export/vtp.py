@@ -20,13 +20,13 @@ from punchform.accuracy import MEASURES, Accuracy, Aligned
 from punchform.arrays import Floats, Ints
 
 if TYPE_CHECKING:
-    from punchform.press import Formed
+    from punchform.solved import Solved
 
 Array = NDArray[np.float64] | NDArray[np.int64]
 _TYPES = {"float64": "Float64", "int64": "Int64"}
 
 
-def write_vtp(path: Path, formed: Formed, released: Floats | None = None, accuracy: Accuracy | None = None) -> None:
+def write_vtp(path: Path, formed: Solved, released: Floats | None = None, accuracy: Accuracy | None = None) -> None:
     """Write the formed grid, and with `released` (N, 3) [mm] also where its nodes are after the release.
 
     Point data: i, j, flat, displacement (formed - flat), normal (of the node frame), contact_force [N], shear [rad]

@@ -154,7 +154,7 @@ def _scene(case: Case, predicted: Predicted) -> Scene:
         prediction=sheet(predicted.index, predicted.flat, predicted.nodes),
         target=target_of(case),
         nodes={(int(i), int(j)): number for number, (i, j) in enumerate(predicted.index)},
-        rim_radius=case.punch.rim_radius,
+        rim_radius=case.tool.rim_radius,
         step=max(case.grid.step),
     )
 

@@ -52,10 +52,10 @@ def target_of(case: Case) -> Target | None:
         return None
     aperture = case.target.aperture_radius
     wanted = bare(case.target.profile, aperture, where="target.profile")
-    lift = surface(case.punch).height_at_axis - wanted.height_at_axis
+    lift = surface(case.tool).height_at_axis - wanted.height_at_axis
     return Target(wanted, lift, aperture, case.target.inner_radius or 0.0)
 
 
 def whole_punch(case: Case) -> Target:
     """The punch with its fillet and flange: what a cloud of unknown place is first laid on."""
-    return Target(surface(case.punch), 0.0, float("inf"))
+    return Target(surface(case.tool), 0.0, float("inf"))

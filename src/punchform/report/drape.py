@@ -97,7 +97,7 @@ def _pattern_rows(done: Drape) -> Rows:
     return (
         ("Nearest point that lands on the rim", size(float(radius.min()), "mm", 5) if known else "not known"),
         ("Farthest point that lands on the rim", size(float(radius.max()), "mm", 5) if known else "not known"),
-        ("Radius of the rim", size(done.case.punch.rim_radius, "mm")),
+        ("Radius of the rim", size(done.case.tool.rim_radius, "mm")),
         ("Wires", f"{len(done.wires.length)}"),
         ("Length of all wires", size(float(done.wires.length.sum()) / 1000, "m", 5)),
         ("Longest wire", size(float(done.wires.length.max()), "mm", 5)),

@@ -29,6 +29,7 @@ from punchform.report.words import energy, percent, size, verdict
 if TYPE_CHECKING:
     from punchform.case import Case
     from punchform.run import Run
+    from punchform.solved import Solved
 
 PAGE, FIGURES = "report.html", "figures"
 CODE = re.compile("`([^`]+)`")
@@ -71,7 +72,7 @@ def page(run: Run, images: Images) -> str:
         sections=after_sections(run),
         results=(("In the tool", _result_rows(run)), ("Grid and tool", _grid_rows(run))),
         details_title="Energy and solve",
-        details=(("Where the energy is", _energy_rows(run)), ("Solve", _solve_rows(run))),
+        details=(("Where the energy is", energy_rows(run.formed)), ("Solve", solve_rows(run.formed))),
         images=images,
         notes=all_notes(run),
         beside="nodes.csv and wires*.csv (tables), shape.vtp (for ParaView), result.json, case.toml",
@@ -178,13 +179,14 @@ def _grid_rows(run: Run) -> Rows:
         ("Wire elements", f"{len(whole.family)}"),
         ("Step", " × ".join(f"{step:g} mm" for step in dict.fromkeys(case.grid.step))),
         ("Wire diameter", f"{case.wire.diameter:g} mm"),
-        ("Radius of the rim", f"{case.punch.rim_radius:g} mm"),
+        ("Radius of the rim", f"{case.tool.rim_radius:g} mm"),
         ("Depth of the shell", size(float(whole.positions[:, 2].max()), "mm")),
     )
 
 
-def _energy_rows(run: Run) -> Rows:
-    total, kinds = run.formed.energy or 1.0, run.formed.energy_kinds
+def energy_rows(stage: Solved) -> Rows:
+    """Where the energy of a stage is."""
+    total, kinds = stage.energy or 1.0, stage.energy_kinds
     rows = [
         (f"in {KINDS.get(kind, kind)}", f"{energy(part)} ({percent(part / total)})") for kind, part in kinds.items()
     ]
@@ -193,15 +195,15 @@ def _energy_rows(run: Run) -> Rows:
     return tuple(rows)
 
 
-def _solve_rows(run: Run) -> Rows:
-    formed = run.formed
-    negative = formed.negative_eigenvalues
+def solve_rows(stage: Solved) -> Rows:
+    """How the solve of a stage went."""
+    negative = stage.negative_eigenvalues
     return (
-        ("Ended", formed.outcome.value),
-        ("Steps", f"{formed.steps}"),
-        ("Factorisations", f"{formed.factorisations} ({formed.linear_solver})"),
+        ("Ended", stage.outcome.value),
+        ("Steps", f"{stage.steps}"),
+        ("Factorisations", f"{stage.factorisations} ({stage.linear_solver})"),
         ("Negative eigenvalues at the end", "not counted" if negative is None else f"{negative}"),
-        *((f"Seconds: {part}", f"{seconds:.2f}") for part, seconds in formed.seconds.items()),
+        *((f"Seconds: {part}", f"{seconds:.2f}") for part, seconds in stage.seconds.items()),
     )
 
 

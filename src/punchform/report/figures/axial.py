@@ -35,7 +35,7 @@ def draw_axial(run: Run, family: int, whole: Whole | None = None) -> Figure:
     segments = whole.positions[np.column_stack((whole.start, whole.end))[mine]][:, :, :2]
     scale = about_zero(whole.F[:, 0])
     figure = new_figure(*HALF)
-    axes = plan_axes(figure, points=whole.positions, rim=run.case.punch.rim_radius)
+    axes = plan_axes(figure, points=whole.positions, rim=run.case.rim_radius)
     axes.set_facecolor(PAPER)
     # The wires of a family lie side by side at the step of the other family.
     width = wire_width(axes, run.case.grid.step[2 - family])

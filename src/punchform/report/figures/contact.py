@@ -28,7 +28,7 @@ def draw_contact(run: Run) -> Figure:
     """Every crossing as a square coloured by its contact force, on a scale symmetric about zero."""
     whole = run.formed.whole
     figure = new_figure(*HALF)
-    axes = plan_axes(figure, points=whole.positions, rim=run.case.punch.rim_radius)
+    axes = plan_axes(figure, points=whole.positions, rim=run.case.rim_radius)
     axes.set_facecolor(PAPER)
     scale = about_zero(whole.contact)
     shown = slice(whole.crossings)

@@ -44,7 +44,7 @@ def draw_deviation(run: Run, accuracy: Accuracy, aligned: Aligned) -> Figure:
     whole = run.final.whole
     values = aligned.deviations.of(accuracy.judge.measure)
     figure = new_figure(*HALF)
-    axes = plan_axes(figure, points=whole.positions, rim=run.case.punch.rim_radius)
+    axes = plan_axes(figure, points=whole.positions, rim=run.case.rim_radius)
     axes.set_facecolor(PAPER)
     step, crossing = run.case.grid.step, np.arange(len(whole.positions)) < whole.crossings
     mask = accuracy.mask & crossing

@@ -39,7 +39,7 @@ SHADES, PALEST = 256, 0.25
 def draw_deviation_map(done: Comparison) -> Figure:
     """Every point that counts, coloured by its deviation; in tolerance green, strays ringed, others pale."""
     figure = new_figure(*HALF)
-    axes = plan_axes(figure, points=done.aligned, rim=done.case.punch.rim_radius)
+    axes = plan_axes(figure, points=done.aligned, rim=done.case.rim_radius)
     axes.set_facecolor(PAPER)
     shown = done.judged.inside
     size = _dot(axes, done.aligned)
@@ -102,7 +102,7 @@ def draw_histogram(done: Comparison) -> Figure:
 def draw_call_outs(done: Comparison) -> Figure:
     """The labelled points with their deviations, in two columns beside the plan so that no labels overlap."""
     figure = new_figure(8.4, 4.9)
-    axes = plan_axes(figure, points=done.aligned, rim=done.case.punch.rim_radius)
+    axes = plan_axes(figure, points=done.aligned, rim=done.case.rim_radius)
     axes.set_position((0.26, 0.1, 0.49, 0.86))
     axes.set_ylabel("")
     axes.scatter(

@@ -83,7 +83,7 @@ def draw_mode(run: Run) -> Figure:
 
 def _plan(run: Run, whole: Whole, values: Floats, label: str) -> Figure:
     figure = new_figure(*HALF)
-    axes = plan_axes(figure, points=whole.positions, rim=run.case.punch.rim_radius)
+    axes = plan_axes(figure, points=whole.positions, rim=run.case.rim_radius)
     axes.set_facecolor(PAPER)
     scale = even_about_zero(values)
     shown = slice(whole.crossings)

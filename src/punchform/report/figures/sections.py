@@ -43,7 +43,7 @@ def _panels(run: Run, shapes: tuple[Floats, ...], draw: Callable[..., None]) -> 
         for at in DIRECTIONS
         for place in (whole.flat, *shapes)
     ]
-    reach = 1.02 * max(*ends, run.case.punch.rim_radius)
+    reach = 1.02 * max(*ends, run.case.tool.rim_radius)
     low, high = min(float(points[:, 2].min()), 0.0), max(float(points[:, 2].max()), 0.0)
     times = enlargement(2 * reach, high - low)
     margin = 0.08 * (high - low) + 0.004 * reach / times

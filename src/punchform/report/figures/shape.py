@@ -53,7 +53,7 @@ def draw_shape(run: Run) -> Figure:
     figure = new_figure(7.6, float(np.clip(0.4 + 6.4 * size[1] / size[0], 3.0, 8.0)))
     axes = figure.add_axes((0.01, 0.01, 0.86, 0.98))
     axes.add_collection(drawn)
-    _frame(axes, outline)
+    frame(axes, outline)
     colour_bar(figure, (0.895, 0.2, 0.018, 0.6), scale, RELIEF, "height z [mm]")
     return figure
 
@@ -85,7 +85,7 @@ def _shaded(corners: Floats, scale: Normalize) -> Floats:
     return colours
 
 
-def _frame(axes: Axes, outline: Floats) -> None:
+def frame(axes: Axes, outline: Floats) -> None:
     """Limits around the picture, the directions x, y, z, and a bar for the scale."""
     low, high = outline.min(axis=0), outline.max(axis=0)
     size = float((high - low).max())

@@ -31,7 +31,7 @@ def draw_shear(run: Run) -> Figure:
     corners = whole.positions[whole.cells][:, :, :2]
     shear = np.degrees(np.abs(whole.cell_shear))
     figure = new_figure(*HALF)
-    axes = plan_axes(figure, points=whole.positions, rim=run.case.punch.rim_radius)
+    axes = plan_axes(figure, points=whole.positions, rim=run.case.rim_radius)
     scale = from_zero(shear)
     axes.add_collection(in_colour(corners, shear, scale, SEQUENTIAL, width=0.3))
     most = most_sheared(whole)

@@ -35,7 +35,7 @@ def draw_stress(run: Run, whole: Whole | None = None) -> Figure:
     segments = whole.positions[np.column_stack((whole.start, whole.end))[known]][:, :, :2]
     scale = from_zero(whole.stress[known])
     figure = new_figure(*HALF)
-    axes = plan_axes(figure, points=whole.positions, rim=run.case.punch.rim_radius)
+    axes = plan_axes(figure, points=whole.positions, rim=run.case.rim_radius)
     axes.set_facecolor(PAPER)
     width = 0.6 * wire_width(axes, min(run.case.grid.step))
     axes.add_collection(in_colour(segments, whole.stress[known], scale, SEQUENTIAL, width=width))

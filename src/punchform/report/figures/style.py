@@ -58,14 +58,15 @@ def dress(axes: Axes, *, x: str = "", y: str = "", title: str = "") -> None:
         spine.set_linewidth(0.6)
 
 
-def plan_axes(figure: Figure, *, points: Floats, rim: float) -> Axes:
-    """Axes seen from above, both in mm at the same scale, around points (n, 3), with the rim as a dashed
-    circle."""
+def plan_axes(figure: Figure, *, points: Floats, rim: float | None) -> Axes:
+    """Axes seen from above, both in mm at the same scale, around points (n, 3), with the rim of a
+    punch as a dashed circle."""
     axes = figure.add_axes(PLAN)
-    reach = 1.04 * max(float(np.abs(points[:, :2]).max()), rim)
+    reach = 1.04 * max(float(np.abs(points[:, :2]).max()), rim or 0.0)
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
-    angle = np.linspace(0, 2 * np.pi, 181)
-    axes.plot(rim * np.cos(angle), rim * np.sin(angle), "--", color=INK, linewidth=0.8, zorder=3)
+    if rim is not None:
+        angle = np.linspace(0, 2 * np.pi, 181)
+        axes.plot(rim * np.cos(angle), rim * np.sin(angle), "--", color=INK, linewidth=0.8, zorder=3)
     dress(axes, x="x [mm]", y="y [mm]")
     return axes
 
