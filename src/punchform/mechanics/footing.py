@@ -24,5 +24,5 @@ def shifted(surface: Surface, positions: Floats, shift: Floats, normals: Floats,
 def bending(gap: Gap, tangents: Floats, contact: Floats) -> Floats:
     """Curvature term lambda Bᵀ ∇²gap B of Eq. (4.4), (n, 2, 2), from B (n, 3, 2) and the contact forces (n,)."""
     multiplier = -contact / np.linalg.norm(gap.gradient, axis=1)
-    bent = np.einsum("nca,ncd,ndb->nab", tangents, gap.hessian, tangents)
+    bent = tangents.transpose(0, 2, 1) @ gap.hessian @ tangents
     return np.asarray(multiplier[:, None, None] * bent)

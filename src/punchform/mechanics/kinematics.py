@@ -180,8 +180,9 @@ class FreeChart:
         shifts, nodes = self.kinematics.shifts, self.kinematics.grid.nodes
         K = np.zeros((nodes, 2, shifts + 3, shifts + 3))
         moments = G.reshape(nodes, 2, 6)[:, :, 3:]
-        swerve = np.cross(self.tilt_basis.transpose(0, 2, 1), self.state.normals[:, None])
-        mixed = 0.5 * np.einsum("nwc,nkc->nwk", moments, swerve)
+        # With tilts about b1 and b2 = n × b1 the products b × n are -b2 and b1.
+        swerve = np.stack((-self.tilt_basis[:, :, 1], self.tilt_basis[:, :, 0]), axis=2)
+        mixed = 0.5 * (moments @ swerve)
         spin = shifts + 2
         K[:, :, shifts:spin, spin] = K[:, :, spin, shifts:spin] = mixed
         if self.gap is not None:

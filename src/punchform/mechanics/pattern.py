@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -36,8 +37,34 @@ class Pattern:
         return len(self.indices)
 
 
+@dataclass(frozen=True, eq=False)
+class _Cliques:
+    """What a pattern depends on, and nothing else."""
+
+    arrays: tuple[Ints, ...]
+    count: int
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, _Cliques)
+            and self.count == other.count
+            and len(self.arrays) == len(other.arrays)
+            and all(map(np.array_equal, self.arrays, other.arrays))
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.count, *(array.shape for array in self.arrays)))
+
+
 def analyse(cliques: Sequence[Ints], count: int) -> Pattern:
     """The pattern in which the unknowns of each clique (rows of the arrays (k, S), -1 for none) all meet."""
+    return _analysed(_Cliques(tuple(cliques), count))
+
+
+@lru_cache(maxsize=1)
+def _analysed(wanted: _Cliques) -> Pattern:
+    """The last pattern is kept: passes, stages and sweeps meet it again."""
+    cliques, count = wanted.arrays, wanted.count
     width = max(clique.shape[1] for clique in cliques)
     stacked = np.full((sum(map(len, cliques)), width), -1, dtype=np.int64)
     first = 0

@@ -29,22 +29,22 @@ def free_motions(grid: Grid, kinematics: Kinematics, chart: Chart) -> tuple[int,
     if not frames:
         # Frames that follow from the shifts turn with the grid by themselves.
         rates = np.concatenate((rates[:, :3], np.zeros_like(rates[:, 3:])), axis=1)
-    generators = np.zeros((6, len(rows), 6))
-    generators[:3, :, :3] = np.eye(3)[:, None]
-    generators[3:, :, :3] = np.cross(np.eye(3)[:, None], x[rows // 2]) / np.abs(x).max()
+    generators = np.zeros((len(rows), 6, 6))
+    generators[:, :3, :3] = np.eye(3)
+    generators[:, 3:, :3] = np.cross(np.eye(3), x[rows // 2, None]) / np.abs(x).max()
     # In turns over the whole extent, so that a frame that cannot turn counts like a far node that cannot move.
-    generators[3:, :, 3:] = frames * np.eye(3)[:, None]
-    followed = np.einsum("ncs,gnc->gns", rates, generators) * (unknowns != UNUSED)
-    missed = generators - np.einsum("ncs,gns->gnc", rates, followed)
+    generators[:, 3:, 3:] = frames * np.eye(3)
+    followed = (generators @ rates) * (unknowns != UNUSED)[:, None]
+    missed = generators - followed @ rates.transpose(0, 2, 1)
     # Singular values, not eigenvalues of the squares: what counts lies at the square root of rounding there.
-    triangle = qr(missed.reshape(len(missed), -1).T, mode="r")[0][: len(missed)]
+    triangle = qr(missed.transpose(0, 2, 1).reshape(-1, 6), mode="r")[0][:6]
     combinations, sizes, _ = np.linalg.svd(triangle.T)
     free = combinations[:, sizes < REPRESENTED * np.sqrt(grid.nodes)]
     if not free.size:
         return ()
     # A shift is the better pin: it holds the grid, not only one frame, where that was. Turns come last.
     weights = np.where(np.abs(rates[:, :3]).sum(axis=1) > 0, 1.0, TURNS_LAST)
-    motions = np.einsum("gm,gns->mns", free, followed * weights).reshape(free.shape[1], -1)
+    motions = np.einsum("gm,ngs->mns", free, followed * weights[:, None]).reshape(free.shape[1], -1)
     order = qr(motions, mode="r", pivoting=True)[1][: free.shape[1]]
     return tuple(sorted(int(number) for number in unknowns.ravel()[order]))
 
