@@ -22,6 +22,7 @@ from tables import put_between
 from punchform.arrays import Floats
 from punchform.case import CircleBlank, ParaboloidProfile, PunchCase, read_case
 from punchform.grid import lay
+from punchform.mechanics import linear
 from punchform.mechanics.assembly import Energy, Hessian
 from punchform.mechanics.linear import multiply, solver_for, upper_matrix
 from punchform.mechanics.newton import minimise
@@ -65,6 +66,8 @@ def rows(name: str, pattern: Pattern, values: Floats, b: Floats) -> list[str]:
         if not find_spec(module):
             found.append(f"| {name} | {library} | not installed | | | | | |")
             continue
+        # The solve that led here has analysed this pattern already.
+        linear._dissected.cache_clear()
         begun = perf_counter()
         solver = solver_for(pattern, library)
         factor = solver.factor(values)
