@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -35,20 +36,27 @@ class HoldNodes(Part):
     nodes: tuple[tuple[int, int], ...] = Field(description="their numbers (i, j)", min_length=1)
 
 
+_KEYS = {"from_radius": "HoldFrom", "ring": "HoldRing", "points": "HoldPoints", "nodes": "HoldNodes"}
+"""The key that only one kind of hold has."""
+
+
 def _hold_kind(value: Any) -> str:
-    """Which kind of hold a table or an object is, by the key that only this kind has."""
-    known = value if isinstance(value, dict) else getattr(value, "__dict__", None)
-    if known is None:
+    """Which kind of hold a table or an object is meant to be, by its keys and those that they nearly are."""
+    if isinstance(value, Part):
+        return f"<{type(value).__name__}>"
+    if not isinstance(value, dict):
         return "<word>"
-    return next((key for key in ("ring", "points", "nodes") if key in known), "from_radius")
+    nearly = (near for key in value for near in get_close_matches(str(key), _KEYS, 1))
+    likely = next(nearly, "points" if "radius" in value else "from_radius")
+    return f"<{_KEYS[next((key for key in _KEYS if key in value), likely)]}>"
 
 
 Hold = Annotated[
     Annotated[Literal["nothing", "rim"], Tag("<word>")]
-    | Annotated[HoldFrom, Tag("from_radius")]
-    | Annotated[HoldRing, Tag("ring")]
-    | Annotated[HoldPoints, Tag("points")]
-    | Annotated[HoldNodes, Tag("nodes")],
+    | Annotated[HoldFrom, Tag("<HoldFrom>")]
+    | Annotated[HoldRing, Tag("<HoldRing>")]
+    | Annotated[HoldPoints, Tag("<HoldPoints>")]
+    | Annotated[HoldNodes, Tag("<HoldNodes>")],
     Discriminator(_hold_kind),
 ]
 

@@ -133,7 +133,7 @@ def _without_tags(location: Path, raw: object) -> Path:
     path: list[str | int] = []
     at_union = False
     for part in location:
-        if part in ("<word>", "<matrix>", "<table>"):
+        if _is_tag(part):
             continue
         if isinstance(raw, Mapping):
             # Pydantic names the chosen member first, even where one of its keys is called the same.
@@ -148,6 +148,11 @@ def _without_tags(location: Path, raw: object) -> Path:
             continue
         path.append(part)
     return tuple(path)
+
+
+def _is_tag(part: str | int) -> bool:
+    """Whether a part of a location is our name of a union member, in angle brackets, and no key."""
+    return isinstance(part, str) and part.startswith("<")
 
 
 def _is_absent(path: Path, raw: object) -> bool:
@@ -169,8 +174,10 @@ def _model_at(model: type[BaseModel], location: Iterable[str | int]) -> type[Bas
     """The table that a location leads to; names of union members choose between the tables of a key."""
     candidates = [model]
     for part in location:
-        if len(candidates) > 1 or part == "<table>":
-            candidates = [one for one in candidates if part in (_tag(one), "<table>")]
+        if _is_tag(part):
+            candidates = [one for one in candidates if part == f"<{one.__name__}>"] or candidates
+        elif len(candidates) > 1:
+            candidates = [one for one in candidates if part == _tag(one)]
         elif part in candidates[0].model_fields:
             candidates = list(_models_in(candidates[0].model_fields[str(part)].annotation))
     return candidates[0]
