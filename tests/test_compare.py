@@ -91,7 +91,9 @@ def test_the_command_writes_a_folder_that_can_be_replaced(
     assert content["target"]["in_tol"] + content["target"]["out_tol"] == pytest.approx(1.0)
     assert 8 <= len(content["call_outs"]) <= 20
     files = {str(path.relative_to(tmp_path / "out")) for path in (tmp_path / "out").rglob("*.*")}
-    figures = {f"figures/{name}.png" for name in ("deviation_map", "deviation_histogram", "call_outs")}
+    figures = {
+        f"figures/{name}.png" for name in ("deviation_map", "deviation_histogram", "prediction_map", "call_outs")
+    }
     assert files == {"comparison.json", "points.csv", "result.json", "report.html", *figures}
 
 

@@ -1,5 +1,5 @@
-"""Sixty releases of dishes, deep to shallow, soft to stiff, under every kind of hold: each ends in a minimum, or in a
-saddle that is explained."""
+"""Seventy-two releases of dishes, deep to shallow, soft to stiff, under every kind of hold: each ends in a minimum, or
+in a saddle that is explained."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from punchform.case import (
     CircleBlank,
     CrossingSpring,
     HoldFrom,
+    HoldNodes,
     HoldPoints,
     HoldRing,
     ParaboloidProfile,
@@ -24,7 +25,14 @@ from punchform.release import release
 from punchform.wire import stiffness
 
 RIM = 100.0
-HOLDS = ("nothing", "rim", HoldFrom(from_radius=RIM), HoldRing(ring=RIM), HoldPoints(points=8, radius=RIM))
+HOLDS = (
+    "nothing",
+    "rim",
+    HoldFrom(from_radius=RIM),
+    HoldRing(ring=RIM),
+    HoldPoints(points=8, radius=RIM),
+    HoldNodes(nodes=((13, 0), (-13, 0), (0, 13), (0, -13))),
+)
 MOST = 40
 """Factorisations that a release may take."""
 

@@ -13,7 +13,12 @@ from matplotlib.figure import Figure
 from punchform.arrays import Floats
 from punchform.export.compare import COMPARISON, POINTS
 from punchform.report.figures.gallery import Picture
-from punchform.report.figures.measured import draw_call_outs, draw_deviation_map, draw_histogram
+from punchform.report.figures.measured import (
+    draw_call_outs,
+    draw_deviation_map,
+    draw_histogram,
+    draw_prediction_map,
+)
 from punchform.report.figures.style import save
 from punchform.report.page import FIGURES, PAGE, Rows, render
 from punchform.report.words import percent, size
@@ -93,11 +98,23 @@ def motion_words(values: Floats, errors: Floats, unit: str) -> str:
     return f"{', '.join(parts)}{chr(0xA0)}{unit}".replace("-", "−")
 
 
+PREDICTION_MAP = (
+    "prediction_map",
+    "Deviation from the predicted shape",
+    "The same points against the shape that was predicted, on a scale of their own: noise where the prediction is "
+    "right, a pattern where the part differs from it.",
+    draw_prediction_map,
+    False,
+)
+
+
 def _draw(done: Comparison, folder: Path) -> tuple[tuple[Picture, Path], ...]:
     folder.mkdir(parents=True, exist_ok=True)
     surface = "predicted shape" if done.target is None else "target"
     band = "" if done.tolerance is None else " Green is within the tolerance."
     drawn = []
+    # Without a target the first map is that of the prediction already.
+    second = () if done.target is None else (PREDICTION_MAP,)
     for name, title, caption, draw, wide in (
         (
             "deviation_map",
@@ -115,6 +132,7 @@ def _draw(done: Comparison, folder: Path) -> tuple[tuple[Picture, Path], ...]:
             draw_histogram,
             False,
         ),
+        *second,
         (
             "call_outs",
             "Call-outs",

@@ -29,6 +29,7 @@ from punchform.report.figures.style import (
 
 if TYPE_CHECKING:
     from punchform.measured import Comparison
+    from punchform.measured.comparison import Deviation
 
 GOOD = "#b9d8b0"
 CLIPPED = 0.98
@@ -37,21 +38,30 @@ SHADES, PALEST = 256, 0.25
 
 
 def draw_deviation_map(done: Comparison) -> Figure:
-    """Every point that counts, coloured by its deviation; in tolerance green, strays ringed, others pale."""
+    """Every point that counts, coloured by its judged deviation; in tolerance green, strays ringed, others pale."""
+    return _map(done, done.judged, done.tolerance)
+
+
+def draw_prediction_map(done: Comparison) -> Figure:
+    """The same against the predicted shape, on a scale of its own: what the prediction did not know."""
+    return _map(done, done.prediction, None)
+
+
+def _map(done: Comparison, deviation: Deviation, tolerance: float | None) -> Figure:
     figure = new_figure(*HALF)
     axes = plan_axes(figure, points=done.aligned, rim=done.case.rim_radius)
     axes.set_facecolor(PAPER)
-    shown = done.judged.inside
+    shown = deviation.inside
     size = _dot(axes, done.aligned)
     axes.scatter(done.aligned[~shown, 0], done.aligned[~shown, 1], s=size, c=PALE, linewidths=0, zorder=2)
-    scale, colours = deviation_colours(done.judged.value[shown], done.tolerance)
+    scale, colours = deviation_colours(deviation.value[shown], tolerance)
     # The largest deviations are drawn last, so that they are not hidden.
-    order = np.flatnonzero(shown)[np.argsort(np.abs(done.judged.value[shown]), kind="stable")]
+    order = np.flatnonzero(shown)[np.argsort(np.abs(deviation.value[shown]), kind="stable")]
     axes.scatter(
         done.aligned[order, 0],
         done.aligned[order, 1],
         s=size,
-        c=done.judged.value[order],
+        c=deviation.value[order],
         cmap=colours,
         norm=scale,
         linewidths=0,
@@ -67,7 +77,7 @@ def draw_deviation_map(done: Comparison) -> Figure:
         linewidths=0.9,
         zorder=4,
     )
-    _bar(figure, scale, colours, done.tolerance)
+    _bar(figure, scale, colours, tolerance)
     return figure
 
 
@@ -172,7 +182,7 @@ def _bar(figure: Figure, scale: Normalize, colours: LinearSegmentedColormap, tol
     axes = figure.add_axes(PLAN_BAR)
     bar = figure.colorbar(ScalarMappable(scale, colours), cax=axes, extend="both")
     bar.outline.set_linewidth(0.4)
-    dress(axes, y="deviation along the normal [mm]")
+    dress(axes, y="along the normal [mm]")
     reach = float(scale.vmax or 1.0)
     ticks = [-reach, -0.5 * reach, 0.5 * reach, reach]
     # Ticks nearer than a line of text would be printed over each other.
@@ -180,5 +190,8 @@ def _bar(figure: Figure, scale: Normalize, colours: LinearSegmentedColormap, tol
         ticks += [0.0]
     else:
         ticks = [tick for tick in ticks if abs(abs(tick) - tolerance) > 0.07 * reach] + [-tolerance, 0.0, tolerance]
-    axes.set_yticks(sorted(ticks), [f"{tick:+.3g}".replace("-", "−") if tick else "0" for tick in sorted(ticks)])
+    # Two digits below a millimetre: a longer number would push the label off the picture.
+    digits = 3 if reach >= 1 else 2
+    names = [f"{tick:+.{digits}g}".replace("-", "−") if tick else "0" for tick in sorted(ticks)]
+    axes.set_yticks(sorted(ticks), names)
     axes.minorticks_off()
