@@ -31,8 +31,6 @@ SHARES = (0.75, 0.5, 0.25, 0.1, 0.0)
 """Shares of the tool's forces that are left, one after the other, when the grid cannot be let go at once."""
 TIE = 1e-9
 """Mirror images sink alike, to this part of the largest move."""
-FLAT = 1e-3
-"""Heights nearer than this, in steps, are flat."""
 FOLDED = 0.8
 """Crossings turned by more than this part of a right angle are folded up."""
 
@@ -229,9 +227,7 @@ def _remarks(grid: Grid, done: Solved, held: Held, found: Stability) -> tuple[st
         )
     if done.outcome is Outcome.SADDLE:
         notes.append("the released grid rests on a saddle: the least disturbance moves it along the mode shown")
-    if held.count == 0 and np.abs(done.whole.positions[:, 2] - done.whole.positions[:, 2].mean()).max() < FLAT * max(
-        grid.step
-    ):
+    if held.count == 0:
         notes.append("elastic wires that nothing holds spring back to the flat grid: only what yields or is held stays")
     lean = np.abs(crossing_angle(done.state) - 0.5 * np.pi).max(initial=0.0)
     if lean > 0.5 * np.pi * FOLDED:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import Collection, PolyCollection
 from matplotlib.colors import Normalize, to_rgba
 from matplotlib.figure import Figure
 
@@ -48,7 +48,12 @@ def draw_shape(run: Run) -> Figure:
         edgecolors=np.concatenate((fills, inks))[order],
         linewidths=np.repeat([0.4, 0.35], [len(corners), len(wires)])[order],
     )
-    outline = seen(whole.positions)
+    return in_relief(drawn, whole.positions, scale)
+
+
+def in_relief(drawn: Collection, points: Floats, scale: Normalize) -> Figure:
+    """The figure of what was drawn of a shape with these points (n, 3), as seen, with the colours of its heights."""
+    outline = seen(points)
     size = np.ptp(outline, axis=0)
     figure = new_figure(7.6, float(np.clip(0.4 + 6.4 * size[1] / size[0], 3.0, 8.0)))
     axes = figure.add_axes((0.01, 0.01, 0.86, 0.98))

@@ -10,8 +10,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from punchform.report.figures.shape import TOWARDS_EYE, frame, seen
-from punchform.report.figures.style import RELIEF, colour_bar, new_figure
+from punchform.report.figures.shape import TOWARDS_EYE, in_relief, seen
+from punchform.report.figures.style import RELIEF
 
 if TYPE_CHECKING:
     from punchform.arrays import Floats
@@ -37,11 +37,4 @@ def draw_wires(run: Run) -> Figure:
         linewidths=FAR + (NEAR - FAR) * nearness,
         capstyle="round",
     )
-    outline = seen(whole.positions)
-    size = np.ptp(outline, axis=0)
-    figure = new_figure(7.6, float(np.clip(0.4 + 6.4 * size[1] / size[0], 3.0, 8.0)))
-    axes = figure.add_axes((0.01, 0.01, 0.86, 0.98))
-    axes.add_collection(drawn)
-    frame(axes, outline)
-    colour_bar(figure, (0.895, 0.2, 0.018, 0.6), scale, RELIEF, "height z [mm]")
-    return figure
+    return in_relief(drawn, whole.positions, scale)
