@@ -167,7 +167,7 @@ def _tilted(vector: Any, tilt: Any, sine: float, versine: float, made: Any) -> N
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator,unused-ignore]
 def _gradients(
     chosen: Any, x: Any, normals: Any, tangents: Any, family: Any, piece: Any, start: Any, end: Any, direction: Any,
-    sigma: Any, weight: Any, C: Any, offset: Any, length: Any, rise: Any, chord: Any, G: Any,
+    sigma: Any, weight: Any, C: Any, offset: Any, length: Any, rise: Any, chord: Any, rest: Any, G: Any,
 ) -> Any:  # fmt: skip
     """Add the chosen elements to G (2 N, 6) and return their energy: `sweeps.models` without its matrices."""
     D, F, g = np.empty(6), np.empty(6), np.empty(12)

@@ -40,8 +40,8 @@ class Wire:
     e: float = 0.0
     h: float = 0.0
 
-    def measures(self) -> Floats:
-        """L of Eqs. (3.10)-(3.12), by rotations."""
+    def measures(self, rest: Floats) -> Floats:
+        """L of Eqs. (3.10)-(3.12), by rotations; counted from those at rest, and so the bow, Eq. (12.14)."""
         n_o, n_b = self.sigma * self.frame_o[2], self.sigma * self.frame_b[2]
         c = self.x_b + self.e * n_b - self.x_o - (self.e - self.h) * n_o
         lean = np.arctan2(self.h, STEP)
@@ -50,13 +50,15 @@ class Wire:
         frames = ((self.frame_o, n_o), (self.frame_b, n_b))
         axes = [np.array((along_it @ (f[0], n), up @ (f[0], n), np.cross(f[2], f[0]))) for f, n in frames]
         one, two = (bent(u @ c) for u in axes)
-        bow = free / 30 * (2 * one @ one - one @ two + 2 * two @ two)
         twist = 0.5 * (axes[1][2] @ axes[0][1] - axes[1][1] @ axes[0][2]) + one[1] * two[0] - one[0] * two[1]
-        return np.array([np.linalg.norm(c) - free + bow, *one, *two, twist])
+        one, two = one - rest[1:3], two - rest[3:5]
+        bow = free / 30 * (2 * one @ one - one @ two + 2 * two @ two)
+        return np.array([np.linalg.norm(c) - free + bow - rest[0], *one, *two, twist - rest[5]])
 
-    def modes(self) -> Floats:
+    def modes(self, rest: Floats | None = None) -> Floats:
         """D of Eq. (3.13): elongation, deflections and rotations of the tip, turned from the chord to the step."""
-        stretch, beta_o, gamma_o, beta_b, gamma_b, twist = self.measures()
+        measures = self.measures(np.zeros(6) if rest is None else rest)
+        stretch, beta_o, gamma_o, beta_b, gamma_b, twist = measures
         free = np.hypot(STEP, self.h)
         turn = np.array([[STEP, -self.h], [self.h, STEP]]) / free
         moved, turned = turn @ (stretch, free * beta_o), turn @ (twist, gamma_o - gamma_b)
@@ -92,7 +94,7 @@ class Wire:
         D, F, found = np.empty((1, 6)), np.empty((1, 6)), np.empty(1)
         *where, family, start, end, along = self.arrays(direction)
         one = (*where, family, family, start, end, along, np.array([sigma]), np.ones(1))
-        sweeps.states(*one, *made_of, by_chord, D, F, found)
+        sweeps.states(*one, *made_of, by_chord, np.zeros((1, 6)), D, F, found)
         return float(found[0])
 
 
@@ -122,10 +124,12 @@ def random_wire(seed: int, sigma: float, e: float, h: float, amount: float = 1.0
     )
 
 
-def expansion(wire: Wire, C: Floats) -> tuple[float, Floats, Floats, Floats, Floats]:
+def expansion(wire: Wire, C: Floats, rest: Floats | None = None) -> tuple[float, Floats, Floats, Floats, Floats]:
     """Energy, D, gradient, rates and second-order terms by the kernel."""
     D, F, g, J, K = np.empty(6), np.empty(6), np.empty(12), np.empty((6, 12)), np.empty((12, 12))
-    energy = chord.expand_chord(*wire.vectors(), wire.sigma, wire.e, wire.h, STEP, C, True, D, F, g, J, K)
+    at_rest = np.zeros(6) if rest is None else rest
+    line = (*wire.vectors(), wire.sigma, wire.e, wire.h, STEP, at_rest)
+    energy = chord.expand_chord(*line, C, False, True, D, F, g, J, K)
     return energy, D, g, J, K
 
 
@@ -148,7 +152,7 @@ def any_stiffness(seed: int) -> Floats:
 def test_modes_are_those_of_the_theory(seed: int, sigma: float, e: float, h: float, amount: float) -> None:
     wire = random_wire(seed, sigma, e, h, amount)
     D = np.empty(6)
-    chord.chord_modes(*wire.vectors(), sigma, e, h, STEP, D)
+    chord.chord_modes(*wire.vectors(), sigma, e, h, STEP, np.zeros(6), D)
     np.testing.assert_allclose(D, wire.modes(), rtol=0, atol=1e-12)
     energy, again, *_ = expansion(wire, C := any_stiffness(seed))
     np.testing.assert_allclose(again, D, rtol=0, atol=1e-14)
@@ -161,13 +165,15 @@ def test_rates_and_second_order_terms_are_the_derivatives(
     seed: int, sigma: float, e: float, h: float, amount: float
 ) -> None:
     wire, C = random_wire(seed, sigma, e, h, amount), any_stiffness(seed)
-    z = np.random.default_rng(seed).uniform(-1, 1, 12)
-    _, D, g, J, K = expansion(wire, C)
-    slope, _ = slope_and_curvature(lambda t: wire.moved(t * z).modes(), 0.1)
+    rng = np.random.default_rng(seed)
+    z, rest = rng.uniform(-1, 1, 12), 0.1 * rng.uniform(-1, 1, 6)
+    _, D, g, J, K = expansion(wire, C, rest)
+    np.testing.assert_allclose(D, wire.modes(rest), rtol=0, atol=1e-12)
+    slope, _ = slope_and_curvature(lambda t: wire.moved(t * z).modes(rest), 0.1)
     np.testing.assert_allclose(J @ z, slope, rtol=0, atol=1e-8 * np.abs(J).max())
     np.testing.assert_allclose(g, D @ C @ J, rtol=0, atol=1e-12 * np.abs(C).max() * np.abs(J).max())
     F = C @ D
-    _, curvature = slope_and_curvature(lambda t: F @ wire.moved(t * z).modes(), 0.1)
+    _, curvature = slope_and_curvature(lambda t: F @ wire.moved(t * z).modes(rest), 0.1)
     np.testing.assert_array_equal(K, K.T)
     assert z @ K @ z == pytest.approx(curvature, abs=1e-7 * np.abs(F).max() * 12 * STEP)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import cached_property
 from time import perf_counter
@@ -22,14 +22,17 @@ from punchform.arrays import Floats, Ints
 from punchform.grid import Grid
 from punchform.mechanics import sweeps
 from punchform.mechanics.frames import State, crossing_angle
+from punchform.mechanics.history import Beginning, History, Response, Yielding
 from punchform.mechanics.kinematics import Chart, Kinematics
 from punchform.mechanics.pattern import Pattern, analyse, shares
 
 ROUNDING = 1e-13
 """Rounding of a long sum, relative to its terms; that of a coordinate counts a tenth of it."""
 THREADS = 2
+NO_REST = np.zeros((1, 6))
 WORTH_THREADS = 8000
-"""Below this many elements a second thread costs more than it saves."""
+WORTH_THREADS_TO_YIELD = 200
+"""Below so many elements a second thread costs more than it saves; those that yield have more to do."""
 
 
 class Hessian(Enum):
@@ -50,7 +53,8 @@ class Bars:
     """What the elements are made of, by kind of piece as `Grid.kind` numbers them, in element axes (mm, N).
 
     C (P, 6, 6): stiffness; offset (P,): e of Eq. (3.1); length (P,): the step s; rise (P,): how far the piece that C
-    describes rises, h of Eq. (3.10); chord: whether D is read from the chord, Eq. (3.12), or at O, Eq. (3.2).
+    describes rises, h of Eq. (3.10); chord: whether D is read from the chord, Eq. (3.12), or at O, Eq. (3.2);
+    yielding: what wires need to know that do not stay elastic, which are seen from the chord.
     """
 
     C: Floats
@@ -58,6 +62,7 @@ class Bars:
     length: Floats
     rise: Floats
     chord: bool = False
+    yielding: Yielding | None = None
 
 
 @dataclass(frozen=True)
@@ -135,7 +140,21 @@ class Energy:
 
     @cached_property
     def _shares(self) -> tuple[tuple[Ints, ...], Ints]:
-        return shares(self.grid, THREADS if self.grid.elements >= WORTH_THREADS else 1)
+        return shares(self.grid, self._threads)
+
+    @cached_property
+    def _threads(self) -> int:
+        return THREADS if self.grid.elements >= WORTH_THREADS else 1
+
+    @cached_property
+    def _last(self) -> Beginning:
+        assert self.bars.yielding is not None
+        return self.bars.yielding.beginning(self.grid.elements)
+
+    @cached_property
+    def _virgin(self) -> History:
+        assert self.bars.yielding is not None
+        return self.bars.yielding.virgin(self.grid.kind)
 
     def elastic(self, state: State) -> tuple[Floats, Floats, Floats]:
         """Modes D (M, 6), end forces F (M, 6) and energies (M,) of the elements, Eq. (3.2), P(3), P(8)."""
@@ -143,15 +162,37 @@ class Energy:
         D, F = np.empty((self.grid.elements, 6)), np.empty((self.grid.elements, 6))
         energies = np.empty(self.grid.elements)
         sweeps.states(*self._of(state), D, F, energies)
+        if self.bars.yielding is not None:
+            answer = self._answer(self.bars.yielding, state, D)
+            F, energies = answer.F, answer.energies
         self.clock.kernel += perf_counter() - begun
         return D, F, energies
 
+    def _answer(self, law: Yielding, state: State, D: Floats) -> Response:
+        """What wires that yield make of the modes; the search for their forces begins at those of the last call."""
+        threads = THREADS if self.grid.elements >= WORTH_THREADS_TO_YIELD else 1
+        return law.respond(self._history(state), self.grid.kind, D, self._last, threads)
+
+    def settled(self, state: State) -> State:
+        """The state with what flowed on the way to it as its past, Eqs. (12.14)-(12.16); that of elastic wires itself.
+
+        The end forces stay what they are, the energy becomes the elastic one.
+        """
+        if self.bars.yielding is None:
+            return state
+        D, _, _ = self.elastic(state)
+        history = self.bars.yielding.settled(self._history(state), self.grid.kind, D, self._last)
+        return replace(state, history=history)
+
     def at(self, state: State) -> float:
         """The energy of the solved part [mJ]; infinite where the state is not finite."""
-        begun = perf_counter()
-        energies = np.empty(self.grid.elements)
-        sweeps.energies(*self._of(state), energies)
-        self.clock.kernel += perf_counter() - begun
+        if self.bars.yielding is None:
+            begun = perf_counter()
+            energies = np.empty(self.grid.elements)
+            sweeps.energies(*self._of(state), energies)
+            self.clock.kernel += perf_counter() - begun
+        else:
+            energies = self.elastic(state)[2]
         total = float(energies @ self.grid.weight) + self.springs(state) - self._work(state)
         return total if np.isfinite(total) else np.inf
 
@@ -179,9 +220,15 @@ class Energy:
         begun = perf_counter()
         energies, G, R = np.empty(self.grid.elements), np.zeros((2 * self.grid.nodes, 6)), chart.R
         arguments = self._of(chart.state)
+        law, forces, stiffness = self.bars.yielding, np.empty((0, 6)), np.empty((0, 6, 6))
+        if law is not None:
+            D = np.empty((self.grid.elements, 6))
+            sweeps.states(*arguments, D, np.empty_like(D), energies)
+            answer = self._answer(law, chart.state, D)
+            forces, stiffness, energies = answer.F, answer.stiffness, answer.energies
 
         def sweep(chosen: Ints) -> None:
-            sweeps.models(chosen, *arguments, R, places, kind, energies, G, values)
+            sweeps.models(chosen, *arguments, stiffness, law is not None, forces, R, places, kind, energies, G, values)
 
         self._in_threads(sweep)
         self.clock.kernel += perf_counter() - begun
@@ -215,7 +262,12 @@ class Energy:
                 grid.sigma.astype(np.float64),
             ),
             *(grid.weight, bars.C, bars.offset, bars.length, bars.rise, bars.chord),
+            NO_REST if bars.yielding is None else self._history(state).rest,
         )
+
+    def _history(self, state: State) -> History:
+        """What the wires remember; those of a state without a history are new."""
+        return self._virgin if state.history is None else state.history
 
     def _in_threads(self, sweep: Callable[[Ints], None]) -> None:
         """The strips of the grid at the same time, then the seams between them."""

@@ -102,16 +102,23 @@ def add_angle_curvature(p, beta, gamma, first, N):
 
 
 @njit(cache=True, nogil=True)
-def measures(line, h, s):
-    """L of Eqs. (3.11) and (3.12) as a tuple (6,) [mm, rad]."""
+def measures(line, h, s, rest):
+    """L of Eqs. (3.11) and (3.12) as a tuple (6,) [mm, rad], counted from those at rest (6,), Eq. (12.14)."""
     c, _, _, at_o, at_b, from_o, from_b = line
     g_o, g_b = opening(from_o)[0], opening(from_b)[0]
     beta_o, gamma_o, beta_b, gamma_b = g_o * from_o[1], g_o * from_o[2], g_b * from_b[1], g_b * from_b[2]
-    free = sqrt(s * s + h * h)
-    bow = free / 15.0 * (beta_o * beta_o + gamma_o * gamma_o + beta_b * beta_b + gamma_b * gamma_b)
-    bow -= free / 30.0 * (beta_o * beta_b + gamma_o * gamma_b)
     tau = 0.5 * (dot(at_b[2], at_o[1]) - dot(at_b[1], at_o[2])) + gamma_o * beta_b - beta_o * gamma_b
-    return sqrt(dot(c, c)) - free + bow, beta_o, gamma_o, beta_b, gamma_b, tau
+    turns = beta_o - rest[1], gamma_o - rest[2], beta_b - rest[3], gamma_b - rest[4]
+    free = sqrt(s * s + h * h)
+    return sqrt(dot(c, c)) - free + bow(turns, free) - rest[0], *turns, tau - rest[5]
+
+
+@njit(cache=True, nogil=True)
+def bow(turns, free):
+    """By how much the arc of a beam is longer than its chord, Eq. (3.12), for the turns (4,) of its ends."""
+    beta_o, gamma_o, beta_b, gamma_b = turns
+    squares = beta_o * beta_o + gamma_o * gamma_o + beta_b * beta_b + gamma_b * gamma_b
+    return free / 15.0 * squares - free / 30.0 * (beta_o * beta_b + gamma_o * gamma_b)
 
 
 @njit(cache=True, nogil=True)
@@ -146,21 +153,21 @@ def to_pulls(F, h, s):
 
 
 @njit(cache=True, nogil=True)
-def angle_pulls(pulls, L, h, s):
+def angle_pulls(pulls, L, rest, h, s):
     """What acts on the four angles, bow and twist of Eq. (3.12) included."""
     part, twist = pulls[0] * sqrt(s * s + h * h) / 30.0, pulls[5]
     return (
-        pulls[1] + part * (4.0 * L[1] - L[3]) - twist * L[4],
-        pulls[2] + part * (4.0 * L[2] - L[4]) + twist * L[3],
-        pulls[3] + part * (4.0 * L[3] - L[1]) + twist * L[2],
-        pulls[4] + part * (4.0 * L[4] - L[2]) - twist * L[1],
+        pulls[1] + part * (4.0 * L[1] - L[3]) - twist * (L[4] + rest[4]),
+        pulls[2] + part * (4.0 * L[2] - L[4]) + twist * (L[3] + rest[3]),
+        pulls[3] + part * (4.0 * L[3] - L[1]) + twist * (L[2] + rest[2]),
+        pulls[4] + part * (4.0 * L[4] - L[2]) - twist * (L[1] + rest[1]),
     )
 
 
 @njit(cache=True, nogil=True)
-def chord_modes(d, t, j, n, n_b, t_b, sigma, e, h, s, D):
-    """Write the six modes of Eq. (3.13) into D (6,) [mm, rad]."""
-    modes = to_modes(measures(chord_of(d, t, j, n, n_b, t_b, sigma, e, h, s), h, s), h, s)
+def chord_modes(d, t, j, n, n_b, t_b, sigma, e, h, s, rest, D):
+    """Write the six modes of Eq. (3.13) into D (6,) [mm, rad]; rest (6,): measures of the unloaded wire."""
+    modes = to_modes(measures(chord_of(d, t, j, n, n_b, t_b, sigma, e, h, s), h, s, rest), h, s)
     for k in range(6):
         D[k] = modes[k]
 
@@ -186,20 +193,21 @@ def coordinate_rates(line, A):
 
 
 @njit(cache=True, nogil=True)
-def mode_rates_of(line, A, L, h, s, J):
+def mode_rates_of(line, A, L, rest, h, s, J):
     """Write dD/d(a, w_O, b, w_B) into J (6, 12), from the rates A (6, 12) of the coordinates."""
     _, _, _, at_o, at_b, p, _ = line
     (b_o, g_o), (b_b, g_b) = angle_rates(p), angle_rates(line[6])
     r = sqrt(dot(p, p))
     spin = scaled(0.5, minus(cross(at_b[2], at_o[1]), cross(at_b[1], at_o[2])))
-    bowed = angle_pulls((1.0, 0.0, 0.0, 0.0, 0.0, 0.0), L, h, s)
+    bowed = angle_pulls((1.0, 0.0, 0.0, 0.0, 0.0, 0.0), L, rest, h, s)
+    whole = L[1] + rest[1], L[2] + rest[2], L[3] + rest[3], L[4] + rest[4]
     for q in range(12):
         from_o, from_b = (A[0, q], A[1, q], A[2, q]), (A[3, q], A[4, q], A[5, q])
         turns = dot(b_o, from_o), dot(g_o, from_o), dot(b_b, from_b), dot(g_b, from_b)
         stretch = dot(p, from_o) / r
         for k in range(4):
             stretch += bowed[k] * turns[k]
-        twist = turns[1] * L[3] + L[2] * turns[2] - turns[0] * L[4] - L[1] * turns[3]
+        twist = turns[1] * whole[2] + whole[1] * turns[2] - turns[0] * whole[3] - whole[0] * turns[3]
         if 3 <= q < 6:
             twist -= spin[q - 3]
         elif q >= 9:
@@ -210,33 +218,33 @@ def mode_rates_of(line, A, L, h, s, J):
 
 
 @njit(cache=True, nogil=True)
-def expand_chord(d, t, j, n, n_b, t_b, sigma, e, h, s, C, exact, D, F, g, J, K):
+def expand_chord(d, t, j, n, n_b, t_b, sigma, e, h, s, rest, C, given, exact, D, F, g, J, K):
     """Write modes D (6,), end force F (6,), gradient g (12,), rates J (6, 12) and, if exact, the second-order terms
-    K (12, 12) of Eq. (3.14); return the energy P(8) [mJ]."""
+    K (12, 12) of Eq. (3.14); return the energy P(8) [mJ]. given: F is there already, of a law other than P(3)."""
     line = chord_of(d, t, j, n, n_b, t_b, sigma, e, h, s)
-    L = measures(line, h, s)
+    L = measures(line, h, s, rest)
     modes = to_modes(L, h, s)
     for k in range(6):
         D[k] = modes[k]
-    energy = end_force(C, D, F)
+    energy = 0.0 if given else end_force(C, D, F)
     A = np.empty((12, 12))
     coordinate_rates(line, A)
-    mode_rates_of(line, A, L, h, s, J)
+    mode_rates_of(line, A, L, rest, h, s, J)
     for q in range(12):
         g[q] = 0.0
         for k in range(6):
             g[q] += F[k] * J[k, q]
     if exact:
-        second_order_of(line, A, L, to_pulls(F, h, s), h, s, K)
+        second_order_of(line, A, L, rest, to_pulls(F, h, s), h, s, K)
     return energy
 
 
 @njit(cache=True, nogil=True)
-def second_order_of(line, A, L, pulls, h, s, K):
+def second_order_of(line, A, L, rest, pulls, h, s, K):
     """Write the second-order terms of Eq. (3.14) into the symmetric K (12, 12); A (12, 12) begins with the rates of
     the coordinates."""
     c, m_o, m_b, at_o, at_b, from_o, from_b = line
-    moments = angle_pulls(pulls, L, h, s)
+    moments = angle_pulls(pulls, L, rest, h, s)
     tension = pulls[0] / sqrt(dot(c, c))
     y_o, y_b = turning(at_o, from_o, moments[0], moments[1]), turning(at_b, from_b, moments[2], moments[3])
     N = np.zeros((6, 6))

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from punchform.arrays import Floats, Ints
 
+if TYPE_CHECKING:
+    from punchform.mechanics.history import History
+
 
 @dataclass(frozen=True)
 class State:
-    """Positions (N, 3) [mm], unit normals (N, 3) and the unit tangents of both wires (N, 2, 3) of all nodes."""
+    """Positions (N, 3) [mm], unit normals (N, 3) and the unit tangents of both wires (N, 2, 3) of all nodes.
+
+    history: what wires that yield remember of earlier strokes, None for new ones; a step leaves it as it is.
+    """
 
     positions: Floats
     normals: Floats
     tangents: Floats
+    history: History | None = None
 
 
 def basis(normals: Floats) -> Floats:
@@ -57,7 +65,7 @@ def turn(state: State, positions: Floats, tilt: Floats, spin: Floats) -> State:
     for w in range(2):
         spun = turned(state.tangents[:, w], state.normals * spin[:, w, None])
         tangents[:, w] = perpendicular(turned(spun, tilt), normals)
-    return State(positions, normals, tangents)
+    return State(positions, normals, tangents, state.history)
 
 
 def perpendicular(vectors: Floats, normals: Floats) -> Floats:

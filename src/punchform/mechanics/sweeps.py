@@ -3,7 +3,7 @@
 All are plain loops that compile once and release the interpreter lock. Arrays common to them: x, normals (N, 3);
 tangents (2 N, 3), row 2 node + family; family, piece, start, end, direction, sigma, weight (M,); C (P, 6, 6), offset,
 length, rise (P,) per kind of piece. With `chord` the elements are seen from their chords, Eq. (3.12), else from their
-frames at O, Eq. (3.2).
+frames at O, Eq. (3.2); rest (M, 6), or one row of zeros for all: chord measures of the unloaded wires.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ NO_HESSIAN, GAUSS_NEWTON, PROJECTED, EXACT = -1, 0, 1, 2
 
 @njit(cache=True, nogil=True)
 def states(
-    x, normals, tangents, family, piece, start, end, direction, sigma, weight, C, offset, length, rise, chord,
+    x, normals, tangents, family, piece, start, end, direction, sigma, weight, C, offset, length, rise, chord, rest,
     D, F, energies,
 ):  # fmt: skip
     """Write modes D (M, 6), end forces F (M, 6) and energies (M,) of all elements, P(3), P(8)."""
@@ -28,7 +28,7 @@ def states(
         own = piece[m]
         ends = wire_ends(x, normals, tangents, family, start, end, direction, sigma, offset[own], m)
         if chord:
-            chord_modes(*ends, sigma[m], offset[own], rise[own], length[own], D[m])
+            chord_modes(*ends, sigma[m], offset[own], rise[own], length[own], row_of(rest, m), D[m])
         else:
             modes(*ends, sigma[m], offset[own], length[own], D[m])
         energies[m] = end_force(C[own], D[m], F[m])
@@ -36,7 +36,7 @@ def states(
 
 @njit(cache=True, nogil=True)
 def energies(
-    x, normals, tangents, family, piece, start, end, direction, sigma, weight, C, offset, length, rise, chord,
+    x, normals, tangents, family, piece, start, end, direction, sigma, weight, C, offset, length, rise, chord, rest,
     energies,
 ):  # fmt: skip
     """Write the energies (M,) of all elements, P(8) [mJ]."""
@@ -45,7 +45,7 @@ def energies(
         own = piece[m]
         ends = wire_ends(x, normals, tangents, family, start, end, direction, sigma, offset[own], m)
         if chord:
-            chord_modes(*ends, sigma[m], offset[own], rise[own], length[own], D)
+            chord_modes(*ends, sigma[m], offset[own], rise[own], length[own], row_of(rest, m), D)
         else:
             modes(*ends, sigma[m], offset[own], length[own], D)
         energies[m] = end_force(C[own], D, F)
@@ -54,10 +54,12 @@ def energies(
 @njit(cache=True, nogil=True)
 def models(
     chosen, x, normals, tangents, family, piece, start, end, direction, sigma, weight, C, offset, length, rise, chord,
-    R, places, kind, energies, G, values,
+    rest, stiffness, given, forces, R, places, kind, energies, G, values,
 ):  # fmt: skip
     """Add the chosen elements to G (2 N, 6) and to the sparse values; write their energies.
 
+    given: the end forces (M, 6) and their derivatives with D, stiffness (M, 6, 6), are there already, and so are the
+    energies; else they follow from C by P(3) and P(8).
     G is the gradient to shifts and spin vectors; the Hessian is carried to the unknowns by R (2 N, 6, S):
     Rᵀ Jᵀ C J R for the kind GAUSS_NEWTON, with the second-order terms of Eq. (3.4) or (3.14) for EXACT, and for
     PROJECTED the latter with the negative eigenvalues of each element left out. NO_HESSIAN leaves the values alone.
@@ -73,12 +75,18 @@ def models(
         w, own = family[m], piece[m]
         row_o, row_b = 2 * start[m] + w, 2 * end[m] + w
         ends = wire_ends(x, normals, tangents, family, start, end, direction, sigma, offset[own], m)
+        tangent = stiffness[m] if given else C[own]
+        if given:
+            F[:] = forces[m]
         if chord:
-            energies[m] = expand_chord(
-                *ends, sigma[m], offset[own], rise[own], length[own], C[own], exact, D, F, g, J, K
+            energy = expand_chord(
+                *ends, sigma[m], offset[own], rise[own], length[own], row_of(rest, m), tangent, given, exact, D, F, g,
+                J, K,
             )  # fmt: skip
         else:
-            energies[m] = expand(*ends, sigma[m], offset[own], length[own], C[own], exact, D, F, g, J, K)
+            energy = expand(*ends, sigma[m], offset[own], length[own], tangent, exact, D, F, g, J, K)
+        if not given:
+            energies[m] = energy
         for c in range(6):
             G[row_o, c] += weight[m] * g[c]
             G[row_b, c] += weight[m] * g[6 + c]
@@ -90,7 +98,7 @@ def models(
             for q in range(2 * slots):
                 total = 0.0
                 for r in range(6):
-                    total += C[own, k, r] * JR[r, q]
+                    total += tangent[k, r] * JR[r, q]
                 CJR[k, q] = total
         if exact:
             carry(K, R[row_o], R[row_b], KR)
@@ -110,6 +118,12 @@ def models(
         if kind == PROJECTED:
             make_semidefinite(H)
         add(H, places[m], values)
+
+
+@njit(cache=True, nogil=True)
+def row_of(table, m):
+    """Row m, or the only row there is."""
+    return table[m if len(table) > 1 else 0]
 
 
 @njit(cache=True, nogil=True)

@@ -7,6 +7,7 @@ from punchform.wire.element_report import ElementReport, describe
 from punchform.wire.flexibility import deflections, flexibility, inverse, straight_wire
 from punchform.wire.pieces import pieces, together
 from punchform.wire.section import Section, round_section
+from punchform.wire.stations import Stations, stations
 from punchform.wire.stress import stress
 
 __all__ = [
@@ -14,6 +15,7 @@ __all__ = [
     "Element",
     "ElementReport",
     "Section",
+    "Stations",
     "along",
     "axial_compliance",
     "cosine_line",
@@ -27,6 +29,7 @@ __all__ = [
     "pieces",
     "plot_element",
     "round_section",
+    "stations",
     "stiffness",
     "straight_line",
     "straight_wire",

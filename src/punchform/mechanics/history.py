@@ -1,0 +1,144 @@
+"""What the wires of a grid remember, and the element that asks it: the Python side of `yielding`."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from punchform.arrays import Floats, Ints
+from punchform.mechanics import fibres, resultants, settling, yielding
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """What every one of M elements remembers; it changes when a stroke is over, not while one is sought.
+
+    rest (M, 6): chord measures of the unloaded wire, Eq. (12.14) [mm, rad]; off (M, G, 2): how far its sections have
+    moved from where they were made, along the chord's normal and sideways [mm]; stretch (M,): length of the wire over
+    that of the new one; pull (M,): along its chord [N]; past (M, G, V): internal variables of the sections; B, C
+    (M, 6, 6): flexibility and stiffness now; work (M,): of plastic flow so far [mJ].
+    """
+
+    rest: Floats
+    off: Floats
+    stretch: Floats
+    pull: Floats
+    past: Floats
+    B: Floats
+    C: Floats
+    work: Floats
+
+    def of(self, elements: Ints) -> History:
+        """The history of some of the elements, or of copies of them."""
+        return History(**{name: values[elements] for name, values in vars(self).items()})
+
+
+@dataclass(frozen=True, eq=False)
+class Beginning:
+    """Where the search for end forces begins: the forces (M, 12) of the last call, and what its sections found
+    (M, G, 24). Every call overwrites them."""
+
+    forces: Floats
+    sections: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """What a yielding law makes of the modes: end forces F (M, 6), their derivatives with D (M, 6, 6), energies."""
+
+    F: Floats
+    stiffness: Floats
+    energies: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Yielding:
+    """What the elements need to know to yield, by kind of piece where arrays begin with P.
+
+    H (P, G, 4, 6), lever (P, G, 2, 4, 6), weight (P, G), curving (G, G), string (G, 3): as `wire.Stations`;
+    C (P, 6, 6), height, length (P,): as `Bars`; curve (K, 2): equivalent plastic strain and flow stress [MPa];
+    kinematic: share of its rise that moves the yield surface; wire (3,): E, G [MPa] and diameter [mm]; points (n, 3):
+    fibres of a circle of diameter 1, none for the law of resultants.
+    """
+
+    H: Floats
+    lever: Floats
+    weight: Floats
+    curving: Floats
+    string: Floats
+    C: Floats
+    height: Floats
+    length: Floats
+    curve: Floats
+    kinematic: float
+    wire: Floats
+    points: Floats
+
+    def virgin(self, kind: Ints) -> History:
+        """The history of new wires, of the kinds (M,)."""
+        count, stations = len(kind), self.H.shape[1]
+        size = fibres.past_size(len(self.points)) if len(self.points) else resultants.PAST
+        return History(
+            rest=np.zeros((count, 6)),
+            off=np.zeros((count, stations, 2)),
+            stretch=np.ones(count),
+            pull=np.zeros(count),
+            past=np.zeros((count, stations, size)),
+            B=np.asarray(np.linalg.inv(self.C)[kind]),
+            C=self.C[kind],
+            work=np.zeros(count),
+        )
+
+    def beginning(self, count: int) -> Beginning:
+        """Where the search begins for so many elements of which nothing is known."""
+        return Beginning(np.zeros((count, 12)), np.full((count, self.H.shape[1], fibres.MEMORY), np.nan))
+
+    @property
+    def law(self) -> tuple[Any, ...]:
+        """The material, in the order of the kernels."""
+        return self.curve, self.kinematic, self.wire, self.points
+
+    @property
+    def correction(self) -> Floats:
+        """What the sections miss of the flexibility of Eq. (2.4), (P, 6, 6), Eq. (12.16)."""
+        missed = np.linalg.inv(self.C)
+        for kind, B in enumerate(missed):
+            by_sections = np.empty((6, 6))
+            settling.flexibility(self.H[kind], self.weight[kind], 1.0, self.wire, np.zeros((6, 6)), by_sections)
+            B -= by_sections
+        return np.asarray(missed)
+
+    def respond(self, history: History, kind: Ints, D: Floats, begin: Beginning, threads: int) -> Response:
+        """Answer the modes D (M, 6) of all elements; what `begin` holds is overwritten."""
+        stiffness, energies = np.empty((len(D), 6, 6)), np.empty(len(D))
+        past = (history.off, history.stretch, history.pull, history.past, history.B, history.C)
+        made_of = (self.H, self.lever, self.weight, self.string, *self.law)
+
+        def answer(part: tuple[int, int]) -> None:
+            yielding.respond(*part, kind, D, *made_of, *past, begin.sections, begin.forces, stiffness, energies)
+
+        parts = list(pairwise(np.linspace(0, len(D), threads + 1).astype(int).tolist()))
+        if threads == 1:
+            answer(parts[0])
+        else:
+            with ThreadPoolExecutor(threads) as pool:
+                list(pool.map(answer, parts))
+        return Response(begin.forces[:, :6].copy(), stiffness, energies)
+
+    def settled(self, history: History, kind: Ints, D: Floats, begin: Beginning) -> History:
+        """The history after a stroke that ended with the modes D (M, 6) and with what the last call found for them."""
+        after = replace(history, **{name: values.copy() for name, values in vars(history).items()})
+        settling.settle(
+            kind,
+            D,
+            begin.forces,
+            *(self.H, self.lever, self.weight, self.string, self.curving, self.correction, self.height, self.length),
+            *self.law,
+            begin.sections,
+            *(after.rest, after.off, after.stretch, after.pull, after.past, after.B, after.C, after.work),
+        )
+        return after
