@@ -7,6 +7,7 @@ from punchform.errors import InputError
 from punchform.punch.bare import Paraboloid, Sphere, bare, profile_curve
 from punchform.punch.domes import dome
 from punchform.punch.fillet import rim_arc
+from punchform.punch.lowered import lowered
 from punchform.punch.meridian import Meridian
 from punchform.punch.project import project
 from punchform.punch.protocol import Gap, Surface
@@ -23,6 +24,7 @@ __all__ = [
     "Surface",
     "bare",
     "check_sharpness",
+    "lowered",
     "profile_curve",
     "project",
     "surface",
