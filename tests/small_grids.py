@@ -21,6 +21,7 @@ from punchform.grid import Grid, lay
 from punchform.mechanics.assembly import Bars, Energy, Loads
 from punchform.mechanics.differences import Differences
 from punchform.mechanics.frames import State
+from punchform.mechanics.friction import Friction
 from punchform.mechanics.kinematics import FreeFrames, Kinematics
 from punchform.mechanics.linear import upper_matrix
 from punchform.mechanics.rigid import free_motions
@@ -168,10 +169,12 @@ def energy_of(
     made_of: Bars | None = None,
     crossing: float = 0.0,
     loads: Loads | None = None,
+    friction: Friction | None = None,
 ) -> Energy:
     """The energy of a grid of the default wire."""
     laid = kinematics.grid
-    return Energy(laid, made_of or bars(wires(laid.step)), kinematics, crossing=crossing, loads=loads)
+    made_of = made_of or bars(wires(laid.step))
+    return Energy(laid, made_of, kinematics, crossing=crossing, loads=loads, friction=friction)
 
 
 def dead(laid: Grid, forces: Floats) -> Loads:

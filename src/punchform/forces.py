@@ -52,14 +52,25 @@ def forces(grid: Grid, state: State, case: LoadCase, wire: WireCase, lengths: tu
 
 def _areas(grid: Grid, wire: WireCase) -> tuple[Floats, Floats]:
     """Area of cloth per solved crossing, and the area that its wires cover, (N,) [mm²]; none between crossings."""
+    along = _lengths(grid)
+    covered = wire.diameter * (along[0] + along[1]) - wire.diameter**2 * grid.node_weight
+    return cloth(grid), np.where(grid.crossings, covered, 0.0)
+
+
+def cloth(grid: Grid) -> Floats:
+    """Area of cloth that belongs to each solved node, (N,) [mm²]: none where only one wire passes."""
+    first, second = _lengths(grid)
+    return np.asarray(first * second / grid.node_weight)
+
+
+def _lengths(grid: Grid) -> tuple[Floats, Floats]:
+    """The length of wire of either family that belongs to each solved node, (N,) [mm]."""
     half = 0.5 * grid.weight * np.asarray(grid.step)[grid.family]
     along = [
         np.bincount(grid.start[own], half[own], grid.nodes) + np.bincount(grid.end[own], half[own], grid.nodes)
         for own in (grid.family == 0, grid.family == 1)
     ]
-    share = grid.node_weight
-    covered = wire.diameter * (along[0] + along[1]) - wire.diameter**2 * share
-    return along[0] * along[1] / share, np.where(grid.crossings, covered, 0.0)
+    return along[0], along[1]
 
 
 def _node(grid: Grid, number: tuple[int, int]) -> int:

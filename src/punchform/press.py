@@ -12,12 +12,14 @@ from punchform.case import CrossingSpring, PressCase, SolverCase
 from punchform.coarse import coarsened, doubled, refined
 from punchform.errors import InputError, NoEquilibrium
 from punchform.grid import Grid, undivided
-from punchform.mechanics.assembly import Energy, Loads
+from punchform.holder import Grip, holder
+from punchform.mechanics.assembly import Clock, Energy, Loads
 from punchform.mechanics.compiled import compile_kernels, kernels_are_compiled
 from punchform.mechanics.descent import descend
 from punchform.mechanics.differences import Differences
 from punchform.mechanics.footing import normals_of
 from punchform.mechanics.frames import State, squared
+from punchform.mechanics.friction import Friction
 from punchform.mechanics.kinematics import FreeFrames
 from punchform.mechanics.newton import minimise
 from punchform.mechanics.outcome import Solution
@@ -28,6 +30,7 @@ from punchform.punch import Surface
 from punchform.remarks import largest_pull, remarks, slide
 from punchform.solved import Solved, bars_of, joined, solved
 from punchform.start import begin, flat_start
+from punchform.strokes import Descent, Stroke, go_down, strokes_of
 from punchform.wire import Element, together
 
 FOLLOWED = 1e-9
@@ -41,10 +44,13 @@ ROUGH = 1e-6
 class Formed(Solved):
     """The grid on the punch.
 
-    surface: of the punch; draw_in: largest inward move of a wire end [mm].
+    surface: of the punch; strokes: in which it went down; grip: what the holder did, None without one; draw_in: largest
+    inward move of a wire end [mm]. steps, factorisations and seconds are those of all strokes, history that of the last.
     """
 
     surface: Surface
+    strokes: tuple[Stroke, ...] = ()
+    grip: Grip | None = None
 
     @property
     def draw_in(self) -> float:
@@ -75,29 +81,63 @@ def press(
 ) -> Formed:
     """Press the grid onto the surface: the minimum of its energy among all grids that lie there, Eq. (3.3).
 
-    start: where the search begins, as `case.start` says when it is not given. Raises InputError for settings that
-    contradict each other and NoEquilibrium when the solve ends without an equilibrium.
+    In one stroke, or in several where `case.strokes` or a holder asks for them. start: where the search begins, which
+    is then one stroke; as `case.start` says when it is not given. Raises InputError for settings that contradict each
+    other and NoEquilibrium when the solve ends without an equilibrium.
     """
     solver = solver or SolverCase()
-    first, doubts = _begin(grid, elements, surface, case, crossing, solver) if start is None else (start, ())
-    if crossing == "welded":
-        first = squared(first)
-    energy = energy_of(grid, elements, surface, case, crossing=crossing, start=first)
-    if not kernels_are_compiled():
-        observe(Progress("press", message="compiling the kernels; only the first run does this"))
-        compile_kernels(energy, first)
     if case.pull is not None and case.kinematics == "free" and not case.chord:
         _demand_moderate(case.pull, elements)
-    if case.pull is None:
-        solution = _solve(energy, first, case, solver, observe)
-    else:
-        energy, solution = _solve_pulled(energy, first, Pull(grid, surface, case.pull), case, solver, observe)
+    if start is None and (case.hold is not None or strokes_of(case) > 1):
+        down = _in_strokes(grid, elements, surface, case, crossing, solver, observe)
+        return _formed(down, elements, surface, case, yield_strength)
+    first, doubts = _begin(grid, elements, surface, case, crossing, solver) if start is None else (start, ())
+    first = squared(first) if crossing == "welded" else first
+    energy = energy_of(grid, elements, surface, case, crossing=crossing, start=first)
+    energy, solution = _minimised(energy, first, surface, case, solver, observe)
     if case.method == "newton" and not solution.outcome.usable:
         raise NoEquilibrium(solution.outcome.value)
-    if energy.kinematics.pins:
-        solution = replace(solution, state=unturned(grid, solution.state))
-    formed = _formed(energy, solution, elements, surface, case, yield_strength)
+    formed = _formed(Descent(energy, solution, (), None), elements, surface, case, yield_strength)
     return replace(formed, notes=formed.notes + doubts)
+
+
+def _in_strokes(
+    grid: Grid,
+    elements: tuple[Element, ...],
+    surface: Surface,
+    case: PressCase,
+    crossing: str | CrossingSpring,
+    solver: SolverCase,
+    observe: Observer,
+) -> Descent:
+    """The punch goes down stroke by stroke, Eq. (12.20), against the friction of the holder if there is one."""
+    held = clamped(grid, surface) if case.rim == "clamp" else np.zeros(grid.nodes, dtype=bool)
+
+    def form(tool: Surface, start: State, rubbing: Friction | None, before: Energy | None) -> tuple[Energy, Solution]:
+        start = squared(start) if crossing == "welded" else start
+        if before is None:
+            energy = energy_of(grid, elements, tool, case, crossing=crossing, start=start, friction=rubbing)
+        else:
+            # What is left out of the unknowns stays so, and with it the pattern of the matrix.
+            energy = replace(
+                before, kinematics=replace(before.kinematics, surface=tool), friction=rubbing, clock=Clock()
+            )
+        return _minimised(energy, start, tool, case, solver, observe)
+
+    holding = None if case.hold is None else holder(grid, surface.rim_radius, case.hold)
+    return go_down(grid, surface, strokes_of(case), form, held=held, holder=holding)
+
+
+def _minimised(
+    energy: Energy, start: State, surface: Surface, case: PressCase, solver: SolverCase, observe: Observer
+) -> tuple[Energy, Solution]:
+    """The minimum nearest to a start, and the energy with the loads that act there."""
+    if not kernels_are_compiled():
+        observe(Progress("press", message="compiling the kernels; only the first run does this"))
+        compile_kernels(energy, start)
+    if case.pull is None:
+        return energy, _solve(energy, start, case, solver, observe)
+    return _solve_pulled(energy, start, Pull(energy.grid, surface, case.pull), case, solver, observe)
 
 
 def _begin(
@@ -143,14 +183,17 @@ def energy_of(
     *,
     crossing: str | CrossingSpring = "pinned",
     start: State,
+    friction: Friction | None = None,
 ) -> Energy:
     """The energy that `press` minimises, Eq. (3.3), without the unknowns of the rigid motions free at the start."""
     kinematics = _kinematics(grid, surface, case, crossing)
+    rubbed = friction is not None and friction.capacity.any()
     return Energy(
         grid,
         bars_of(elements, case),
-        replace(kinematics, pins=free_motions(grid, kinematics, kinematics.chart(start))),
+        kinematics if rubbed else replace(kinematics, pins=free_motions(grid, kinematics, kinematics.chart(start))),
         crossing=crossing.stiffness if isinstance(crossing, CrossingSpring) else 0.0,
+        friction=friction,
     )
 
 
@@ -227,15 +270,19 @@ def _demand_moderate(pull: tuple[float, float], elements: tuple[Element, ...]) -
 
 
 def _formed(
-    energy: Energy,
-    solution: Solution,
+    down: Descent,
     elements: tuple[Element, ...],
     surface: Surface,
     case: PressCase,
     yield_strength: float | None,
 ) -> Formed:
+    energy, solution = down.energy, down.solution
+    if energy.kinematics.pins:
+        solution = replace(solution, state=unturned(energy.grid, solution.state))
     chart = energy.kinematics.chart(solution.state)
     contact = chart.contact(energy.gradient(chart).G)
     done = solved(energy, solution, elements, contact, yield_strength)
     told = remarks(energy.grid, elements, done.whole, surface, case)
-    return Formed(**{**vars(done), "notes": told}, surface=surface)
+    gripped = () if down.grip is None else down.grip.notes
+    strokes = down.strokes or (Stroke(1.0, solution.steps, solution.factorisations, done.energy, 0.0),)
+    return Formed(**{**vars(done), "notes": told + gripped}, surface=surface, strokes=strokes, grip=down.grip)

@@ -91,12 +91,11 @@ def assert_equilibrium(energy: Energy, state: State, *, tolerance: float = 1e-12
 def assert_rigid_invariance(energy: Energy, state: State, *, rng: np.random.Generator, tolerance: float = 1e-9) -> None:
     """A rigid motion of positions and frames together changes no elastic energy and turns all forces with it.
 
-    Also the infinitesimal form of this: forces and moments of the elements are in balance as a whole. The tool and
-    the loads, which do not move with the grid, are left out.
+    Also the infinitesimal form of this: forces and moments of the elements are in balance as a whole. The tool, the
+    loads and the friction, which do not move with the grid, are left out.
     """
-    free = replace(
-        energy, kinematics=FreeFrames(energy.grid, None, np.zeros(energy.grid.nodes, dtype=bool)), loads=None
-    )
+    held = np.zeros(energy.grid.nodes, dtype=bool)
+    free = replace(energy, kinematics=FreeFrames(energy.grid, None, held), loads=None, friction=None)
     extent = float(np.abs(state.positions).max())
     rotation = rng.standard_normal(3)
     shift = extent * rng.standard_normal(3)

@@ -38,10 +38,11 @@ FORCE = Dimension("a force", 0, 1, 0, "N", "2.5 N")
 STRESS = Dimension("a stress or modulus", -2, 1, 0, "MPa", "210 GPa")
 ANGLE = Dimension("an angle", 0, 0, 1, "rad", "12 deg")
 ROTARY_STIFFNESS = Dimension("a rotational stiffness", 1, 1, -1, "N*mm/rad", "20 N*mm/rad")
+FORCE_PER_LENGTH = Dimension("a force per length", -1, 1, 0, "N/mm", "5 N/mm")
 COMPLIANCE = Dimension("a compliance", 1, -1, 0, "mm/N", "0.001 mm/N")
 NUMBER = Dimension("a plain number", 0, 0, 0, "", "0.25")
 
-_NAMED = (LENGTH, FORCE, STRESS, ANGLE, ROTARY_STIFFNESS, COMPLIANCE, NUMBER)
+_NAMED = (LENGTH, FORCE, STRESS, ANGLE, ROTARY_STIFFNESS, FORCE_PER_LENGTH, COMPLIANCE, NUMBER)
 
 
 def length_power(exponent: int) -> Dimension:

@@ -27,6 +27,7 @@ from punchform.grid import Grid
 from punchform.mechanics import assembly
 from punchform.mechanics.assembly import Energy, Hessian, Loads
 from punchform.mechanics.frames import State
+from punchform.mechanics.friction import Friction
 from punchform.mechanics.pattern import shares
 from punchform.punch import Paraboloid, Sphere
 from punchform.testing import assert_derivatives, assert_rigid_invariance
@@ -36,6 +37,12 @@ SPHERE = Sphere(60.0)
 
 def dead_loads(laid: Grid) -> Loads:
     return dead(laid, 20.0 * np.random.default_rng(3).standard_normal((laid.nodes, 3)))
+
+
+def rubbed(laid: Grid, slack: float = 0.1) -> Friction:
+    """Friction on every second node, from the flat grid: some nodes stick and some slip in a random state."""
+    capacity = 30.0 * laid.node_weight * (laid.index.sum(axis=1) % 2)
+    return Friction(laid.flat.astype(float), capacity, slack)
 
 
 def clamped(laid: Grid) -> np.ndarray:
@@ -58,6 +65,11 @@ ENERGIES: dict[str, Callable[[], Energy]] = {
     ),
     "lower": lambda: energy_of(free_frames(grid(weave="same")), made_of=bars(wires(), share=1.0)),
     "loads": lambda: energy_of(free_frames(laid := grid()), loads=dead_loads(laid)),
+    "friction": lambda: energy_of(free_frames(laid := grid()), friction=rubbed(laid)),
+    "friction, whole, welded": lambda: energy_of(
+        free_frames(laid := grid(symmetry="full"), welded=True), friction=rubbed(laid), loads=dead_loads(laid)
+    ),
+    "differences, friction": lambda: energy_of(differences(laid := grid()), friction=rubbed(laid)),
     "sphere": lambda: energy_of(free_frames(grid(symmetry="full"), SPHERE)),
     "cylinder": lambda: energy_of(free_frames(grid(symmetry="full"), Cylinder(50.0)), crossing=500.0),
     "no surface": lambda: energy_of(free_frames(grid(), None)),

@@ -14,7 +14,7 @@ from punchform.case.grid import (
 from punchform.case.load import LoadCase, PointForce, WindCase
 from punchform.case.memory import machine_memory
 from punchform.case.packaged import TEMPLATE, packaged_cases, packaged_text
-from punchform.case.press import DescentCase, PressCase, SolverCase
+from punchform.case.press import DescentCase, HolderCase, PressCase, SolverCase
 from punchform.case.punch import (
     ConeProfile,
     EllipsoidProfile,
@@ -57,6 +57,7 @@ __all__ = [
     "HoldNodes",
     "HoldPoints",
     "HoldRing",
+    "HolderCase",
     "LoadCase",
     "ParaboloidProfile",
     "PointForce",

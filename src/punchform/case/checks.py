@@ -166,6 +166,34 @@ def _press_is_consistent(press: PressCase) -> Iterator[Finding]:
             ("press", "descent", "step_length"),
             f"is missing: the rule '{press.descent.rule}' needs a step length such as '0.001 mm/N'",
         )
+    if press.method == "descent" and press.strokes not in (None, 1):
+        yield Finding(
+            ("press", "strokes"),
+            "the paper's descent goes to the full depth at once",
+            'leave out `strokes`, or write method = "newton"',
+        )
+    if press.hold is not None:
+        yield from _holder_can_act(press)
+
+
+def _holder_can_act(press: PressCase) -> Iterator[Finding]:
+    """A holder brakes wires that slide in, by a potential in the unknowns of the free kinematics."""
+    if press.rim == "clamp":
+        yield Finding(
+            ("press", "hold"),
+            'a clamped rim lets nothing slide, so a holder contradicts rim = "clamp"',
+            'leave out `hold` or choose rim = "draw"',
+        )
+    if press.pull is not None:
+        yield Finding(
+            ("press", "hold"),
+            "the holder grips the flange, on which the pull would act",
+            "leave out `hold` or `pull`: the holder gives the wires their tension",
+        )
+    if press.kinematics == "differences":
+        yield Finding(("press", "hold"), "a holder needs the free kinematics", 'use kinematics = "free"')
+    if press.method == "descent":
+        yield Finding(("press", "hold"), "a holder needs Newton's method", 'use method = "newton"')
 
 
 def _kinematics_knows_crossing(grid: GridCase, press: PressCase) -> Iterator[Finding]:

@@ -14,6 +14,7 @@ from punchform.units import (
     ANGLE,
     COMPLIANCE,
     FORCE,
+    FORCE_PER_LENGTH,
     LENGTH,
     NUMBER,
     ROTARY_STIFFNESS,
@@ -115,6 +116,7 @@ Length = Annotated[float, Quantity(LENGTH, least=-_LARGEST, most=_LARGEST)]
 PositiveLength = Annotated[float, Quantity(LENGTH, above=0.0, least=_SMALLEST, most=_LARGEST)]
 LengthFromZero = Annotated[float, Quantity(LENGTH, least=0.0, most=_LARGEST)]
 Force = Annotated[float, Quantity(FORCE)]
+ForcePerLengthFromZero = Annotated[float, Quantity(FORCE_PER_LENGTH, least=0.0)]
 PositiveStress = Annotated[float, Quantity(STRESS, above=0.0, most=1e9)]
 Angle = Annotated[float, Quantity(ANGLE)]
 WallAngle = Annotated[float, Quantity(ANGLE, above=0.0, below=math.pi / 2)]

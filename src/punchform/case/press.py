@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field
 
 from punchform.case.ends import EndCase, ends_in_place_of_file
-from punchform.case.parts import Count, Force, Part, PositiveCompliance, Quantity
+from punchform.case.parts import Count, Force, ForcePerLengthFromZero, Part, PositiveCompliance, Quantity
 from punchform.units import NUMBER
 
 
@@ -23,6 +23,17 @@ class DescentCase(Part):
         default=None, description="lambda of P(19) [mm/N]; needed by the rules fixed and reuse-direction"
     )
     max_steps: Count = Field(default=20_000, description="steps after which the descent stops")
+
+
+class HolderCase(Part):
+    """A blank holder: the flange slides between two faces, which the wires overcome, Eq. (12.21)."""
+
+    force_per_length: ForcePerLengthFromZero = Field(
+        description="force that presses the faces together, per length of the rim [N/mm]"
+    )
+    friction: Annotated[float, Quantity(NUMBER, least=0.0)] = Field(
+        description="coefficient of friction between wire and either face [-]"
+    )
 
 
 Ends = Annotated[tuple[EndCase, ...], BeforeValidator(ends_in_place_of_file)]
@@ -42,14 +53,24 @@ class PressCase(Part):
         default="auto",
         description="where an element's deformation is read: O: in the paper's frame at its end O, Eq. (3.2); chord: "
         "from the line between its ends, Eq. (3.12), which stays right at large bends and pulls; auto: chord where the "
-        "rim is clamped or wire ends are given, else O",
+        "rim is clamped or held or wire ends are given, else O",
     )
     rim: Literal["draw", "clamp"] = Field(
         default="draw", description="draw: the flange slides in freely; clamp: held from the rim outwards"
     )
+    hold: HolderCase | None = Field(
+        default=None,
+        description="a blank holder with rim = 'draw': { force_per_length, friction }; the flange slides in against it",
+    )
+    strokes: Count | None = Field(
+        default=None,
+        description="in how many equal strokes the punch goes down, each from where the one before it ended; when "
+        "absent 1, or 12 where what happens on the way matters: with a holder",
+    )
     start: Literal["net", "flat"] = Field(
         default="net",
-        description="net: from the inextensible net, where it reaches all crossings; flat: the paper's P(18)",
+        description="of a press in one stroke: net: from the inextensible net, where it reaches all crossings; "
+        "flat: the paper's P(18)",
     )
     method: Literal["newton", "descent"] = Field(
         default="newton", description="newton: exact Hessian; descent: the paper's method, for comparison"
@@ -68,7 +89,7 @@ class PressCase(Part):
     @property
     def chord(self) -> bool:
         """Whether deformations are read from the chord."""
-        far = self.rim == "clamp" or self.ends is not None
+        far = self.rim == "clamp" or self.ends is not None or self.hold is not None
         return self.frame == "chord" or (self.frame == "auto" and far)
 
 

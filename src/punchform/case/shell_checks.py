@@ -13,7 +13,7 @@ from punchform.case.release import ReleaseCase
 from punchform.case.target import TargetCase
 from punchform.case.wire import StraightLine, WireCase
 
-IDLE = ("kinematics", "offset", "rim", "start", "method", "pull", "descent")
+IDLE = ("kinematics", "offset", "rim", "hold", "strokes", "start", "method", "pull", "descent")
 """Settings of the press that say how a grid comes onto a punch."""
 
 

@@ -1,6 +1,7 @@
 """From elements to one energy, one gradient and one sparse matrix: the pattern is analysed once.
 
-The energy of the grid is Eq. (3.3), plus the crossing springs of Eq. (4.5), minus the work of the pull of Eq. (5.2).
+The energy of the grid is Eq. (3.3), plus the crossing springs of Eq. (4.5), minus the work of the pull of Eq. (5.2),
+plus the friction of Eq. (12.22).
 The grid is cut into strips that touch no common unknown, so both cores can add to the same arrays; the kernels release
 the interpreter lock and run in a thread pool.
 """
@@ -22,6 +23,7 @@ from punchform.arrays import Floats, Ints
 from punchform.grid import Grid
 from punchform.mechanics import sweeps
 from punchform.mechanics.frames import State, crossing_angle
+from punchform.mechanics.friction import Friction
 from punchform.mechanics.history import Beginning, History, Response, Yielding
 from punchform.mechanics.kinematics import Chart, Kinematics
 from punchform.mechanics.pattern import Pattern, analyse, shares
@@ -115,7 +117,8 @@ class Clock:
 class Energy:
     """The energy of the grid as a function of its unknowns (one solve: grid, wire, kinematics, crossing, loads).
 
-    crossing: stiffness of the crossing springs [N mm/rad], 0 for none; loads: dead forces on the nodes.
+    crossing: stiffness of the crossing springs [N mm/rad], 0 for none; loads: dead forces on the nodes; friction:
+    what resists their sliding.
     """
 
     grid: Grid
@@ -123,6 +126,7 @@ class Energy:
     kinematics: Kinematics
     crossing: float = 0.0
     loads: Loads | None = None
+    friction: Friction | None = None
     clock: Clock = field(default_factory=Clock)
 
     @cached_property
@@ -194,6 +198,7 @@ class Energy:
         else:
             energies = self.elastic(state)[2]
         total = float(energies @ self.grid.weight) + self.springs(state) - self._work(state)
+        total += self.rubbing(state)
         return total if np.isfinite(total) else np.inf
 
     def gradient(self, chart: Chart) -> Gradient:
@@ -208,6 +213,7 @@ class Energy:
         values = np.zeros(pattern.entries)
         elastic, G = self._swept(chart, hessian.value, pattern.places[0], values)
         self._add_crossings(chart, G, values)
+        self._add_friction(chart, values)
         first = self._reduced(chart, elastic, G)
         begun = perf_counter()
         if hessian is not Hessian.GAUSS_NEWTON:
@@ -235,13 +241,19 @@ class Energy:
         return float(energies @ self.grid.weight), G
 
     def _reduced(self, chart: Chart, elastic: float, G: Floats) -> Gradient:
-        """Energy and gradient with springs and loads; the forces of the loads are taken off G."""
+        """Energy and gradient with springs, loads and friction; the forces of the loads are taken off G."""
         begun = perf_counter()
         elastic += self.springs(chart.state)
-        energy = elastic - self._work(chart.state)
-        size = elastic if self.loads is None else elastic + float(np.abs(self.loads.work(chart.state)).sum())
+        rubbing = self.rubbing(chart.state)
+        energy = elastic - self._work(chart.state) + rubbing
+        size = elastic + rubbing
+        by_wire = G.reshape(-1, 2, 6)
+        nodes = np.arange(self.grid.nodes)
         if self.loads is not None:
-            G.reshape(-1, 2, 6)[np.arange(self.grid.nodes), self._first_wire, :3] -= self.loads.forces
+            size += float(np.abs(self.loads.work(chart.state)).sum())
+            by_wire[nodes, self._first_wire, :3] -= self.loads.forces
+        if self.friction is not None:
+            by_wire[nodes, self._first_wire, :2] += self.friction.gradient(chart.state)
         gradient = np.zeros(self.kinematics.count)
         sweeps.reduce(chart.R, G, self.kinematics.unknowns, gradient)
         self.clock.assembly += perf_counter() - begun
@@ -295,6 +307,10 @@ class Energy:
             return 0.0
         return float(0.5 * self._shear_moment(state) @ (crossing_angle(state) - 0.5 * np.pi))
 
+    def rubbing(self, state: State) -> float:
+        """Potential of the friction on the solved part, Eq. (12.22) [mJ]."""
+        return 0.0 if self.friction is None else float(self.friction.energies(self.friction.slip(state)).sum())
+
     def _rounding(self, state: State, elastic: float, size: float) -> float:
         """What rounding does to the energy: to its sum, and to forces F ~ √(2 C11 U) times rounded coordinates."""
         forces = np.sqrt(2 * self.bars.C[:, 0, 0].max() * elastic)
@@ -320,3 +336,13 @@ class Energy:
         sweeps.scatter(
             crossed[:, None, None] * rate[:, :, None] * rate[:, None], self.pattern.places[2], sweeps.EXACT, values
         )
+
+    def _add_friction(self, chart: Chart, values: Floats) -> None:
+        """Stiffness of the friction, Eq. (12.22), through the shifts of each node, once with a wire that passes."""
+        if self.friction is None:
+            return
+        nodes = np.flatnonzero(self.friction.capacity)
+        rows = 2 * nodes + self._first_wire[nodes]
+        rates = chart.R[rows, :2]
+        stiffness = rates.transpose(0, 2, 1) @ self.friction.hessian(chart.state)[nodes] @ rates
+        sweeps.scatter(stiffness, self.pattern.places[1][rows], sweeps.EXACT, values)

@@ -1,0 +1,196 @@
+"""The punch goes down in strokes: each begins where the one before ended, on a punch a little deeper (Eq. (12.20)).
+
+What a grid of elastic wires becomes depends on where the punch ends alone, and one stroke finds it. Where something is
+remembered on the way, as how far the flange has slipped, a stroke is short enough for what it remembers to be taken
+from its beginning.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from punchform.arrays import Bools, Floats
+from punchform.case import PressCase
+from punchform.errors import NoEquilibrium
+from punchform.grid import Grid
+from punchform.holder import Grasp, Grip, Holder
+from punchform.mechanics.assembly import Energy
+from punchform.mechanics.footing import normals_of
+from punchform.mechanics.frames import State, is_finite, perpendicular, unit
+from punchform.mechanics.friction import Friction
+from punchform.mechanics.outcome import Solution
+from punchform.punch import Surface, lowered, project
+from punchform.solved import joined
+from punchform.start import flat_start
+
+USUAL = 12
+"""Strokes of a press in which it matters what happens on the way."""
+SHORTEST = 1.0 / 16
+"""The shortest part of a stroke that is tried."""
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """One stroke of the whole grid: the share of the depth at its end, its steps and factorisations, the elastic energy
+    at its end and the work done against friction in it [mJ]."""
+
+    share: float
+    steps: int
+    factorisations: int
+    energy: float
+    friction_work: float
+
+
+@dataclass(frozen=True)
+class Lying:
+    """The grid at a share of the depth, and what its holder remembers there."""
+
+    share: float
+    state: State
+    grasp: Grasp | None
+
+
+@dataclass(frozen=True)
+class Descent:
+    """How the punch came down: the energy of the last stroke, all strokes as one solution, each of them, and what the
+    holder did."""
+
+    energy: Energy
+    solution: Solution
+    strokes: tuple[Stroke, ...]
+    grip: Grip | None
+
+
+Form = Callable[[Surface, State, Friction | None, Energy | None], tuple[Energy, Solution]]
+"""Minimises the energy on a surface from a start, under a friction; told the energy of the stroke before."""
+Settle = Callable[[Energy, State], State]
+"""What a grid remembers of an accepted stroke: the state with which the next begins."""
+
+
+def strokes_of(case: PressCase) -> int:
+    """In how many strokes a case is pressed: one unless it matters what happens on the way."""
+    if case.strokes is not None:
+        return case.strokes
+    return 1 if case.hold is None else USUAL
+
+
+def remembers_nothing(energy: Energy, state: State) -> State:
+    """How elastic wires settle."""
+    return state
+
+
+def go_down(
+    grid: Grid,
+    surface: Surface,
+    count: int,
+    form: Form,
+    *,
+    held: Bools,
+    holder: Holder | None = None,
+    settle: Settle = remembers_nothing,
+) -> Descent:
+    """Press the grid in `count` strokes; one that fails is halved, down to a sixteenth.
+
+    held (N,): nodes that stay where they lie flat. Raises NoEquilibrium with the depth at which it ends.
+    """
+    older = here = Lying(0.0, flat(grid), None if holder is None else holder.at_rest())
+    ahead = [(number + 1) / count for number in range(count)]
+    energy: Energy | None = None
+    solutions: list[Solution] = []
+    strokes: list[Stroke] = []
+    while ahead:
+        tool = lowered(surface, ahead[0])
+        start = carried(older, here, tool, ahead[0], held) if here.share else flat_start(grid, tool)
+        rubbing = None if holder is None or here.grasp is None else holder.friction(here.state, here.grasp)
+        found, failure = _tried(form, tool, start, rubbing, energy)
+        if found is None:
+            middle = 0.5 * (here.share + ahead[0])
+            if middle - here.share < SHORTEST / count * (1 - 1e-9):
+                raise NoEquilibrium(_where(here.share, ahead[0], failure))
+            ahead.insert(0, middle)
+            continue
+        energy, solution = found
+        state = settle(energy, solution.state)
+        grasp = here.grasp
+        if holder is not None and grasp is not None and rubbing is not None:
+            grasp = holder.settled(rubbing, here.state, state, grasp)
+        older, here = here, Lying(ahead.pop(0), state, grasp)
+        solutions.append(replace(solution, state=state))
+        strokes.append(_stroke(grid, energy, solutions[-1], older, here))
+    assert energy is not None
+    grip = None if holder is None or here.grasp is None else holder.grip(here.grasp)
+    return Descent(energy, _as_one(solutions), tuple(strokes), grip)
+
+
+def flat(grid: Grid) -> State:
+    """The grid before the punch touches it."""
+    return State(
+        np.column_stack((grid.flat, np.zeros(grid.nodes))),
+        np.broadcast_to(np.eye(3)[2], (grid.nodes, 3)).copy(),
+        np.broadcast_to(np.eye(3)[:2], (grid.nodes, 2, 3)).copy(),
+    )
+
+
+def carried(older: Lying, here: Lying, tool: Surface, share: float, held: Bools) -> State:
+    """The start at the next share: both last states carried on, and laid onto the punch there, Eq. (12.20).
+
+    Places in plan go with the square of the depth, as the arcs of the wires do; frames with the depth.
+    """
+    before, earlier = here.state, older.state
+    in_plan = (share**2 - here.share**2) / (here.share**2 - older.share**2)
+    turned = (share - here.share) / (here.share - older.share)
+    near = before.positions * (1.0, 1.0, share / here.share)
+    on_punch = near.copy()
+    moving = ~held
+    near[moving, :2] += in_plan * (before.positions - earlier.positions)[moving, :2]
+    positions = np.where(held[:, None], on_punch, project(tool, near, normals_of(tool.gap(near))))
+    lost = ~np.isfinite(positions).all(axis=1)
+    positions[lost] = on_punch[lost]
+    normals = unit(_onwards(earlier.normals, before.normals, turned))
+    along = _onwards(earlier.tangents, before.tangents, turned)
+    tangents = np.stack([perpendicular(along[:, w], normals) for w in range(2)], axis=1)
+    return replace(
+        before,
+        positions=positions,
+        normals=np.where(held[:, None], before.normals, normals),
+        tangents=np.where(held[:, None, None], before.tangents, tangents),
+    )
+
+
+def _onwards(earlier: Floats, before: Floats, times: float) -> Floats:
+    return np.asarray(before + times * (before - earlier))
+
+
+def _tried(
+    form: Form, tool: Surface, start: State, rubbing: Friction | None, energy: Energy | None
+) -> tuple[tuple[Energy, Solution] | None, str]:
+    """What a stroke finds, or None and why it ended nowhere."""
+    if not is_finite(start):
+        return None, "the grid could not be laid onto the punch"
+    try:
+        found = form(tool, start, rubbing, energy)
+    except NoEquilibrium as error:
+        return None, str(error)
+    outcome = found[1].outcome
+    return (found, "") if outcome.usable else (None, outcome.value)
+
+
+def _where(share: float, tried: float, failure: str) -> str:
+    return (
+        f"the press came down to {share:.3g} of the depth of the punch and found no equilibrium at {tried:.3g}, also in "
+        f"shorter strokes: {failure}"
+    )
+
+
+def _stroke(grid: Grid, energy: Energy, solution: Solution, older: Lying, here: Lying) -> Stroke:
+    elastic = float(energy.elastic(here.state)[2] @ grid.weight) + energy.springs(here.state)
+    work = 0.0 if here.grasp is None or older.grasp is None else here.grasp.work - older.grasp.work
+    return Stroke(here.share, solution.steps, solution.factorisations, grid.copies * elastic, grid.copies * work)
+
+
+def _as_one(solutions: list[Solution]) -> Solution:
+    """All strokes as one solution; of the curves that of the last, whose energy is that of the answer."""
+    return replace(joined(solutions), history=solutions[-1].history)
