@@ -21,7 +21,9 @@ from punchform.arrays import Floats, Ints
 if TYPE_CHECKING:
     from punchform.accuracy import Accuracy
     from punchform.case import Case
+    from punchform.holder import Grip
     from punchform.run import Run
+    from punchform.strokes import Stroke
 
 
 SOFTNESS = 6.0
@@ -96,6 +98,8 @@ class FakeFormed:
     linear_solver: str = "scipy"
     seconds: dict[str, float] = field(default_factory=lambda: {"kernel": 0.2, "factorisation": 1.1, "total": 1.6})
     notes: tuple[str, ...] = ("the release of this case is not computed yet",)
+    strokes: tuple[Stroke, ...] = ()
+    grip: Grip | None = None
 
 
 @dataclass(frozen=True)

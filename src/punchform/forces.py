@@ -70,7 +70,7 @@ def _lengths(grid: Grid) -> tuple[Floats, Floats]:
         np.bincount(grid.start[own], half[own], grid.nodes) + np.bincount(grid.end[own], half[own], grid.nodes)
         for own in (grid.family == 0, grid.family == 1)
     ]
-    return along[0], along[1]
+    return np.asarray(along[0], dtype=np.float64), np.asarray(along[1], dtype=np.float64)
 
 
 def _node(grid: Grid, number: tuple[int, int]) -> int:

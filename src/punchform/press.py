@@ -30,7 +30,7 @@ from punchform.punch import Surface
 from punchform.remarks import largest_pull, remarks, slide
 from punchform.solved import Solved, bars_of, joined, solved
 from punchform.start import begin, flat_start
-from punchform.strokes import Descent, Stroke, go_down, strokes_of
+from punchform.strokes import Descent, Stroke, Task, go_down, strokes_of
 from punchform.wire import Element, together
 
 FOLLOWED = 1e-9
@@ -44,8 +44,9 @@ ROUGH = 1e-6
 class Formed(Solved):
     """The grid on the punch.
 
-    surface: of the punch; strokes: in which it went down; grip: what the holder did, None without one; draw_in: largest
-    inward move of a wire end [mm]. steps, factorisations and seconds are those of all strokes, history that of the last.
+    surface: of the punch; strokes: in which it went down; grip: what the holder did, None without one; draw_in:
+    largest inward move of a wire end [mm]. steps, factorisations and seconds are those of all strokes, history that of
+    the last.
     """
 
     surface: Surface
@@ -113,31 +114,39 @@ def _in_strokes(
     """The punch goes down stroke by stroke, Eq. (12.20), against the friction of the holder if there is one."""
     held = clamped(grid, surface) if case.rim == "clamp" else np.zeros(grid.nodes, dtype=bool)
 
-    def form(tool: Surface, start: State, rubbing: Friction | None, before: Energy | None) -> tuple[Energy, Solution]:
-        start = squared(start) if crossing == "welded" else start
+    def form(task: Task) -> tuple[Energy, Solution]:
+        start = squared(task.start) if crossing == "welded" else task.start
+        before, rubbing = task.before, task.friction
         if before is None:
-            energy = energy_of(grid, elements, tool, case, crossing=crossing, start=start, friction=rubbing)
+            energy = energy_of(grid, elements, task.tool, case, crossing=crossing, start=start, friction=rubbing)
         else:
             # What is left out of the unknowns stays so, and with it the pattern of the matrix.
-            energy = replace(
-                before, kinematics=replace(before.kinematics, surface=tool), friction=rubbing, clock=Clock()
-            )
-        return _minimised(energy, start, tool, case, solver, observe)
+            assert isinstance(before.kinematics, FreeFrames | Differences)
+            lower = replace(before.kinematics, surface=task.tool)
+            energy = replace(before, kinematics=lower, friction=rubbing, loads=None, clock=Clock())
+        return _minimised(energy, start, task.tool, case, solver, observe, stage=f"press, {task.share:.0%} down")
 
     holding = None if case.hold is None else holder(grid, surface.rim_radius, case.hold)
     return go_down(grid, surface, strokes_of(case), form, held=held, holder=holding)
 
 
 def _minimised(
-    energy: Energy, start: State, surface: Surface, case: PressCase, solver: SolverCase, observe: Observer
+    energy: Energy,
+    start: State,
+    surface: Surface,
+    case: PressCase,
+    solver: SolverCase,
+    observe: Observer,
+    *,
+    stage: str = "press",
 ) -> tuple[Energy, Solution]:
     """The minimum nearest to a start, and the energy with the loads that act there."""
     if not kernels_are_compiled():
         observe(Progress("press", message="compiling the kernels; only the first run does this"))
         compile_kernels(energy, start)
     if case.pull is None:
-        return energy, _solve(energy, start, case, solver, observe)
-    return _solve_pulled(energy, start, Pull(energy.grid, surface, case.pull), case, solver, observe)
+        return energy, _solve(energy, start, case, solver, observe, stage)
+    return _solve_pulled(energy, start, Pull(energy.grid, surface, case.pull), case, solver, observe, stage)
 
 
 def _begin(
@@ -217,7 +226,9 @@ def clamped(grid: Grid, surface: Surface) -> Bools:
     return np.asarray(np.linalg.norm(grid.flat, axis=1) >= surface.rim_radius * (1 - 1e-9))
 
 
-def _solve(energy: Energy, start: State, case: PressCase, solver: SolverCase, observe: Observer) -> Solution:
+def _solve(
+    energy: Energy, start: State, case: PressCase, solver: SolverCase, observe: Observer, stage: str
+) -> Solution:
     if case.method == "descent":
         how = case.descent
         return descend(
@@ -234,19 +245,20 @@ def _solve(energy: Energy, start: State, case: PressCase, solver: SolverCase, ob
         max_steps=solver.max_steps,
         tolerance=solver.tolerance,
         linear=solver.linear,
+        stage=stage,
         observe=observe,
     )
 
 
 def _solve_pulled(
-    energy: Energy, start: State, pull: Pull, case: PressCase, solver: SolverCase, observe: Observer
+    energy: Energy, start: State, pull: Pull, case: PressCase, solver: SolverCase, observe: Observer, stage: str
 ) -> tuple[Energy, Solution]:
     """Passes with the pull along the wire ends of the pass before, Eq. (5.2), until these no longer turn."""
     passes: list[Solution] = []
     state = start
     for _ in range(PULL_PASSES):
         energy = replace(energy, loads=Loads(pull.forces(state), state.positions))
-        passes.append(_solve(energy, state, case, solver, observe))
+        passes.append(_solve(energy, state, case, solver, observe, stage))
         turned = pull.forces(passes[-1].state) - pull.forces(state)
         state = passes[-1].state
         if not passes[-1].outcome.usable or np.abs(turned).max() <= FOLLOWED * max(map(abs, pull.force)):

@@ -64,8 +64,20 @@ class Descent:
     grip: Grip | None
 
 
-Form = Callable[[Surface, State, Friction | None, Energy | None], tuple[Energy, Solution]]
-"""Minimises the energy on a surface from a start, under a friction; told the energy of the stroke before."""
+@dataclass(frozen=True)
+class Task:
+    """What one stroke is asked to find: the minimum of the energy on a tool, which has gone down by a share of its
+    depth, from a start and under a friction. before: the energy of the last stroke, None in the first."""
+
+    tool: Surface
+    share: float
+    start: State
+    friction: Friction | None
+    before: Energy | None
+
+
+Form = Callable[[Task], tuple[Energy, Solution]]
+"""Carries out a task; raises NoEquilibrium or returns a solution that is not usable where it fails."""
 Settle = Callable[[Energy, State], State]
 """What a grid remembers of an accepted stroke: the state with which the next begins."""
 
@@ -105,7 +117,7 @@ def go_down(
         tool = lowered(surface, ahead[0])
         start = carried(older, here, tool, ahead[0], held) if here.share else flat_start(grid, tool)
         rubbing = None if holder is None or here.grasp is None else holder.friction(here.state, here.grasp)
-        found, failure = _tried(form, tool, start, rubbing, energy)
+        found, failure = _tried(form, Task(tool, ahead[0], start, rubbing, energy))
         if found is None:
             middle = 0.5 * (here.share + ahead[0])
             if middle - here.share < SHORTEST / count * (1 - 1e-9):
@@ -135,22 +147,18 @@ def flat(grid: Grid) -> State:
 
 
 def carried(older: Lying, here: Lying, tool: Surface, share: float, held: Bools) -> State:
-    """The start at the next share: both last states carried on, and laid onto the punch there, Eq. (12.20).
-
-    Places in plan go with the square of the depth, as the arcs of the wires do; frames with the depth.
-    """
+    """The start at the next share: the line through both last states, laid onto the punch there, Eq. (12.21)."""
     before, earlier = here.state, older.state
-    in_plan = (share**2 - here.share**2) / (here.share**2 - older.share**2)
-    turned = (share - here.share) / (here.share - older.share)
+    times = (share - here.share) / (here.share - older.share)
     near = before.positions * (1.0, 1.0, share / here.share)
     on_punch = near.copy()
     moving = ~held
-    near[moving, :2] += in_plan * (before.positions - earlier.positions)[moving, :2]
+    near[moving, :2] += times * (before.positions - earlier.positions)[moving, :2]
     positions = np.where(held[:, None], on_punch, project(tool, near, normals_of(tool.gap(near))))
     lost = ~np.isfinite(positions).all(axis=1)
     positions[lost] = on_punch[lost]
-    normals = unit(_onwards(earlier.normals, before.normals, turned))
-    along = _onwards(earlier.tangents, before.tangents, turned)
+    normals = unit(_onwards(earlier.normals, before.normals, times))
+    along = _onwards(earlier.tangents, before.tangents, times)
     tangents = np.stack([perpendicular(along[:, w], normals) for w in range(2)], axis=1)
     return replace(
         before,
@@ -164,14 +172,12 @@ def _onwards(earlier: Floats, before: Floats, times: float) -> Floats:
     return np.asarray(before + times * (before - earlier))
 
 
-def _tried(
-    form: Form, tool: Surface, start: State, rubbing: Friction | None, energy: Energy | None
-) -> tuple[tuple[Energy, Solution] | None, str]:
+def _tried(form: Form, task: Task) -> tuple[tuple[Energy, Solution] | None, str]:
     """What a stroke finds, or None and why it ended nowhere."""
-    if not is_finite(start):
+    if not is_finite(task.start):
         return None, "the grid could not be laid onto the punch"
     try:
-        found = form(tool, start, rubbing, energy)
+        found = form(task)
     except NoEquilibrium as error:
         return None, str(error)
     outcome = found[1].outcome
@@ -180,8 +186,8 @@ def _tried(
 
 def _where(share: float, tried: float, failure: str) -> str:
     return (
-        f"the press came down to {share:.3g} of the depth of the punch and found no equilibrium at {tried:.3g}, also in "
-        f"shorter strokes: {failure}"
+        f"the press came down to {share:.3g} of the depth of the punch and found no equilibrium at {tried:.3g}, also "
+        f"in shorter strokes: {failure}"
     )
 
 

@@ -30,7 +30,7 @@ def test_its_points_are_those_of_the_punch_with_scaled_heights(made: Revolution,
     low, points = lowered(made, share), on_surface(made, share)
     assert np.abs(low.distance(points)).max() < 1e-11 * 300
     np.testing.assert_allclose(low.height(points[:, :2]), share * made.height(points[:, :2]))
-    up, down = (low.distance(points + (0, 0, shift)) for shift in (0.5, -0.5))
+    up, down = (low.distance(points + np.array((0, 0, shift))) for shift in (0.5, -0.5))
     apart = np.abs(made.gap(points / (1, 1, share)).gradient[:, 2]) > 0.01
     assert (up > 0)[apart].all()
     assert (down < 0)[apart].all()

@@ -58,6 +58,7 @@ def summary(done: Run, folder: Path) -> str:
         "largest strain": f"{100 * formed.max_axial_strain:.3g} % by the pull along a wire",
         "largest stress": _stress(formed),
         "draw-in": f"{formed.draw_in:.3g} mm",
+        **_holder(formed),
         **after(done),
         "report": str(folder / "report.html"),
     }
@@ -82,9 +83,20 @@ def after(done: Run) -> dict[str, str]:
     return facts
 
 
+def _holder(formed: Formed) -> dict[str, str]:
+    grip = formed.grip
+    if grip is None:
+        return {}
+    return {
+        "holder": f"{100 * grip.slipped:.3g} % of its crossings slipped, by up to {grip.largest_slip:.3g} mm; "
+        f"{grip.work:.4g} mJ of friction"
+    }
+
+
 def _effort(formed: Formed) -> str:
+    strokes = f" in {len(formed.strokes)} strokes" if len(formed.strokes) > 1 else ""
     factored = f", {formed.factorisations} factorisations ({formed.linear_solver})" if formed.factorisations else ""
-    return f"{formed.steps} steps{factored}, {formed.seconds['total']:.2f} s"
+    return f"{formed.steps} steps{strokes}{factored}, {formed.seconds['total']:.2f} s"
 
 
 def _stress(formed: Formed) -> str:

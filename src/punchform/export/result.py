@@ -14,6 +14,7 @@ from punchform.accuracy import plain as accuracy_json
 from punchform.arrays import Floats
 
 if TYPE_CHECKING:
+    from punchform.holder import Grip
     from punchform.load import Loaded
     from punchform.press import Formed
     from punchform.release import Released
@@ -69,6 +70,25 @@ def _formed(formed: Formed) -> dict[str, object]:
     return stage_result(formed) | {
         "draw_in_mm": formed.draw_in,
         "contact": {"min_N": contact.min(), "max_N": contact.max(), "push_N": formed.push},
+        "strokes": [
+            {
+                "share": stroke.share,
+                "steps": stroke.steps,
+                "factorisations": stroke.factorisations,
+                "energy_mJ": stroke.energy,
+                "friction_work_mJ": stroke.friction_work,
+            }
+            for stroke in formed.strokes
+        ],
+        "holder": None if formed.grip is None else _holder(formed.grip),
+    }
+
+
+def _holder(grip: Grip) -> dict[str, object]:
+    return {
+        "friction_work_mJ": grip.work,
+        "largest_slip_mm": grip.largest_slip,
+        "slipped_share": grip.slipped,
     }
 
 

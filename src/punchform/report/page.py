@@ -72,7 +72,11 @@ def page(run: Run, images: Images) -> str:
         sections=after_sections(run),
         results=(("In the tool", _result_rows(run)), ("Grid and tool", _grid_rows(run))),
         details_title="Energy and solve",
-        details=(("Where the energy is", energy_rows(run.formed)), ("Solve", solve_rows(run.formed))),
+        details=(
+            ("Where the energy is", energy_rows(run.formed)),
+            ("Solve", solve_rows(run.formed)),
+            *_stroke_tables(run),
+        ),
         images=images,
         notes=all_notes(run),
         beside="nodes.csv and wires*.csv (tables), shape.vtp (for ParaView), result.json, case.toml",
@@ -169,6 +173,19 @@ def _result_rows(run: Run) -> Rows:
         ("Largest stress / yield strength", "not known" if ratio is None else size(ratio, "", 3)),
         ("Contact force on a node", span(float(contact.min()), float(contact.max()), "N")),
         ("Downward force of the punch", size(formed.push, "N")),
+        *_holder_rows(run),
+    )
+
+
+def _holder_rows(run: Run) -> Rows:
+    """What the holder did, where there is one."""
+    grip = run.formed.grip
+    if grip is None:
+        return ()
+    return (
+        ("Work against the friction of the holder", energy(grip.work)),
+        ("Longest slip through the holder", size(grip.largest_slip, "mm")),
+        ("Crossings that slipped, of those in the holder at first", percent(grip.slipped)),
     )
 
 
@@ -205,6 +222,19 @@ def solve_rows(stage: Solved) -> Rows:
         ("Negative eigenvalues at the end", "not counted" if negative is None else f"{negative}"),
         *((f"Seconds: {part}", f"{seconds:.2f}") for part, seconds in stage.seconds.items()),
     )
+
+
+def _stroke_tables(run: Run) -> Tables:
+    """How the strokes went, where there was more than one."""
+    strokes = run.formed.strokes
+    if len(strokes) < 2:
+        return ()
+    rows = []
+    for stroke in strokes:
+        rubbed = "" if run.formed.grip is None else f", {energy(stroke.friction_work)} of friction"
+        told = f"{energy(stroke.energy)} in the wires{rubbed}; {stroke.factorisations} factorisations"
+        rows.append((f"Down to {percent(stroke.share)} of the depth", told))
+    return (("Strokes", tuple(rows)),)
 
 
 def span(low: float, high: float, unit: str) -> str:

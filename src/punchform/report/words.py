@@ -25,6 +25,7 @@ def verdict(run: Run) -> tuple[str, ...]:
         _ending(run.formed),
         _shear(run.formed),
         _draw_in(run.formed),
+        *_holder(run.formed),
         _wires(run.formed),
         _yield(run),
         _contact(run.formed),
@@ -86,6 +87,19 @@ def _draw_in(formed: Formed) -> str:
     if formed.draw_in <= 1e-6:
         return "The edge of the blank is not drawn in."
     return f"The edge of the blank is drawn in by up to {size(formed.draw_in, 'mm', 3)}."
+
+
+def _holder(formed: Formed) -> tuple[str, ...]:
+    grip = formed.grip
+    if grip is None:
+        return ()
+    if grip.slipped == 0:
+        return ("The holder holds the whole flange: nothing slips through it.",)
+    return (
+        f"The flange slips between the faces of the holder by up to {size(grip.largest_slip, 'mm', 3)}, at "
+        f"{percent(grip.slipped)} of the crossings that lie between them at first; the wires do "
+        f"{energy(grip.work)} of work against its friction.",
+    )
 
 
 def _wires(formed: Formed) -> str:

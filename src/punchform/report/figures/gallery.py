@@ -78,7 +78,8 @@ GALLERY = (
         "progress",
         "How the solve went",
         "Energy above its last value and largest entry of its gradient against the step, on logarithmic "
-        "scales. A Newton solve should end in a steep fall; a flat end means that it has not converged.",
+        "scales; of several strokes the last. A Newton solve should end in a steep fall; a flat end means that it has "
+        "not converged.",
         draw_progress,
     ),
 )
