@@ -1,4 +1,4 @@
-"""The blank holder: what it resists on the flange, and what it remembers from stroke to stroke (Eqs. (12.21)-(12.24)).
+"""The blank holder: what it resists on the flange, and what it remembers from stroke to stroke (Eqs. (12.23), (12.24)).
 
 Two faces press the flange between them. A crossing there slides when its wires pull harder than the friction of both
 faces; where it sticks it stays with its anchor, and where it slips it drags the anchor behind it.
@@ -84,14 +84,14 @@ class Holder:
         return Grasp(self.grid.flat.astype(np.float64), np.zeros(self.grid.nodes), 0.0)
 
     def friction(self, state: State, grasp: Grasp) -> Friction:
-        """The friction during a stroke that begins at a state, Eq. (12.21)."""
+        """The friction during a stroke that begins at a state, Eq. (12.23)."""
         area = self._between_faces(state)
         total = self.grid.copies * float(area.sum())
         capacity = self.force * area / total if total else area
         return Friction(grasp.anchors, capacity, self.slack)
 
     def settled(self, friction: Friction, before: State, after: State, grasp: Grasp) -> Grasp:
-        """The memory after a stroke: what slipped has dragged its anchor behind it, Eq. (12.23)."""
+        """The memory after a stroke: what slipped has dragged its anchor behind it, Eq. (12.24)."""
         slip = friction.slip(after)
         kept = np.minimum(slip, TRAIL * self.slack)
         gripped = self._between_faces(before) > 0

@@ -26,7 +26,7 @@ class DescentCase(Part):
 
 
 class HolderCase(Part):
-    """A blank holder: the flange slides between two faces, which the wires overcome, Eq. (12.21)."""
+    """A blank holder: the flange slides between two faces, which the wires overcome, Eq. (12.23)."""
 
     force_per_length: ForcePerLengthFromZero = Field(
         description="force that presses the faces together, per length of the rim [N/mm]"
