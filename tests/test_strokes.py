@@ -55,6 +55,7 @@ from punchform.progress import Progress
 from punchform.punch import surface
 from punchform.strokes import Lying, Task, carried, flat, go_down, strokes_of
 from punchform.testing import assert_derivatives, assert_equilibrium
+from punchform.wire import pieces
 
 WIDE = BLANK + 8.0
 RIM = surface(PunchCase(profile=ParaboloidProfile(focal_length=100.0), rim_radius=40.3, fillet=20.0))
@@ -505,6 +506,53 @@ def test_a_weak_holder_says_so() -> None:
     assert formed.grip is not None
     assert formed.grip.slipped == 1.0
     assert any("brakes the flange but does not hold it" in note for note in formed.notes)
+
+
+SORTS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+    "welded": ({}, {"crossing": "welded"}),
+    "spring": ({}, {"crossing": CrossingSpring(stiffness=100.0)}),
+    "rectangle": ({"size": (140.0, 110.0), "step": (STEP, 8.0)}, {}),
+    "whole": ({"symmetry": "full"}, {"crossing": "welded"}),
+}
+
+
+@pytest.mark.parametrize("name", SORTS)
+def test_every_sort_of_grid_can_be_held(name: str) -> None:
+    laid_as, how = SORTS[name]
+    laid = grid(WIDE, **laid_as)
+    free, braked = pressed(laid, frame="chord", **how), pressed(laid, hold=held(5.0), **how)
+    assert braked.outcome is Outcome.CONVERGED
+    assert braked.grip is not None
+    # A little friction takes what it resists over the way that the free flange goes, to first order.
+    rubbed = holder(laid, PUNCH.rim_radius, held(5.0))
+    capacity = laid.copies * rubbed.friction(flat(laid), rubbed.at_rest()).capacity
+    way = np.linalg.norm(free.state.positions[:, :2] - laid.flat, axis=1)
+    assert braked.grip.work == pytest.approx(capacity @ way, rel=0.2)
+    assert free.energy < braked.energy < 1.01 * free.energy
+
+
+def test_a_cut_wire_is_gripped_at_its_crossings() -> None:
+    laid = grid(WIDE, subdivide=2)
+    cut = pieces(wires(), 2)
+    once, often = (press(laid, cut, PUNCH, PressCase(frame="chord", strokes=count)) for count in (1, 3))
+    assert often.energy == pytest.approx(once.energy, rel=1e-9)
+    made = holder(laid, PUNCH.rim_radius, held(5.0))
+    capacity = made.friction(flat(laid), made.at_rest()).capacity
+    assert not capacity[~laid.crossings].any()
+    assert capacity[laid.crossings].any()
+    assert press(laid, cut, PUNCH, PressCase(hold=held(5.0))).outcome is Outcome.CONVERGED
+
+
+def test_a_blank_that_leaves_its_holder_is_free() -> None:
+    # The last crossings pass the rim on the way; a whole grid may then turn about the axis, at no cost.
+    tool = surface(PunchCase(profile=ParaboloidProfile(focal_length=100.0), rim_radius=41.2, fillet=20.0))
+    laid = lay(GridCase(step=(STEP, STEP), blank=CircleBlank(radius=42.0), symmetry="full"))
+    formed, free = pressed(laid, tool=tool, hold=held(5.0)), pressed(laid, tool=tool, frame="chord")
+    assert formed.outcome is Outcome.CONVERGED
+    assert formed.strokes[0].energy > 0
+    assert formed.strokes[-1].friction_work == 0
+    assert formed.energy == pytest.approx(free.energy, rel=1e-9)
+    assert any("drawn in past the rim" in note for note in formed.notes)
 
 
 def test_there_must_be_a_flange() -> None:

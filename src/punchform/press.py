@@ -117,7 +117,7 @@ def _in_strokes(
     def form(task: Task) -> tuple[Energy, Solution]:
         start = squared(task.start) if crossing == "welded" else task.start
         before, rubbing = task.before, task.friction
-        if before is None:
+        if before is None or _rubs(before.friction) != _rubs(rubbing):
             energy = energy_of(grid, elements, task.tool, case, crossing=crossing, start=start, friction=rubbing)
         else:
             # What is left out of the unknowns stays so, and with it the pattern of the matrix.
@@ -196,14 +196,20 @@ def energy_of(
 ) -> Energy:
     """The energy that `press` minimises, Eq. (3.3), without the unknowns of the rigid motions free at the start."""
     kinematics = _kinematics(grid, surface, case, crossing)
-    rubbed = friction is not None and friction.capacity.any()
     return Energy(
         grid,
         bars_of(elements, case),
-        kinematics if rubbed else replace(kinematics, pins=free_motions(grid, kinematics, kinematics.chart(start))),
+        kinematics
+        if _rubs(friction)
+        else replace(kinematics, pins=free_motions(grid, kinematics, kinematics.chart(start))),
         crossing=crossing.stiffness if isinstance(crossing, CrossingSpring) else 0.0,
         friction=friction,
     )
+
+
+def _rubs(friction: Friction | None) -> bool:
+    """Whether friction resists anywhere, and so holds a grid that could else turn about the axis."""
+    return friction is not None and bool(friction.capacity.any())
 
 
 def _kinematics(
