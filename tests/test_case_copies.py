@@ -40,6 +40,13 @@ def test_a_crimp_that_was_left_out_follows_the_diameter(text: str) -> None:
     assert case.wire.height == 0.75
 
 
+def test_what_a_material_gave_follows_the_material() -> None:
+    case = case_from_text(SHORT.replace('youngs_modulus = "210 GPa"', 'material = "304 annealed"\npoisson = 0.3'))
+    bronze = with_wire(with_wire(case, diameter=1.0), material="phosphor bronze hard").wire
+    assert (bronze.youngs_modulus, bronze.poisson, bronze.yield_strength) == (110e3, 0.3, 750)
+    assert case.wire.youngs_modulus == 193e3
+
+
 def test_a_crimp_that_was_given_stays() -> None:
     wire = with_wire(case_from_text(OWN), diameter=1.0).wire
     assert (wire.diameter, wire.height, wire.centreline) == (1.0, 0.6, CosineLine(height=0.6))

@@ -55,10 +55,10 @@ def coarsened(grid: Grid) -> Grid | None:
 
 
 def doubled(element: Element) -> Element:
-    """A straight wire of twice the length that is as flexible per length: its deflections scale like those of beams."""
+    """An elastic wire of twice the length, as flexible per length: its deflections scale like those of beams."""
     length = np.array([1.0, 2.0, 2.0, 1.0, 1.0, 1.0])
     B = 2 * np.linalg.inv(element.C) * np.outer(length, length)
-    return replace(element, C=np.linalg.inv(B), height=0.0, length=2 * element.length, centreline=None)
+    return replace(element, C=np.linalg.inv(B), height=0.0, length=2 * element.length, centreline=None, hardening=None)
 
 
 def refined(grid: Grid, flat: State, coarse: Grid, answer: State, surface: Surface, held: Bools) -> State:

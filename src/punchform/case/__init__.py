@@ -11,6 +11,14 @@ from punchform.case.grid import (
     SingleWire,
     WiresBlank,
 )
+from punchform.case.hardening import (
+    FibreSection,
+    LinearHardening,
+    PowerHardening,
+    TableHardening,
+    TensileHardening,
+    VoceHardening,
+)
 from punchform.case.load import LoadCase, PointForce, WindCase
 from punchform.case.memory import machine_memory
 from punchform.case.packaged import TEMPLATE, packaged_cases, packaged_text
@@ -51,6 +59,7 @@ __all__ = [
     "End",
     "EndCase",
     "ExpressionProfile",
+    "FibreSection",
     "FlatProfile",
     "GridCase",
     "HoldFrom",
@@ -58,12 +67,14 @@ __all__ = [
     "HoldPoints",
     "HoldRing",
     "HolderCase",
+    "LinearHardening",
     "LoadCase",
     "ParaboloidProfile",
     "PointForce",
     "PointsLine",
     "PolygonBlank",
     "PolynomialProfile",
+    "PowerHardening",
     "PressCase",
     "Profile",
     "PunchCase",
@@ -74,8 +85,11 @@ __all__ = [
     "SolverCase",
     "SphereProfile",
     "StraightLine",
+    "TableHardening",
     "TableProfile",
     "TargetCase",
+    "TensileHardening",
+    "VoceHardening",
     "WindCase",
     "WireCase",
     "WiresBlank",

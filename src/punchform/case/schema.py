@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from punchform.case.materials import library
 from punchform.case.whole import Case
 
 
@@ -21,7 +22,7 @@ def json_schema() -> dict[str, Any]:
     for part in parts.values():
         choice = [key for key in ("kind", "shape") if "const" in part["properties"].get(key, {})]
         part["required"] = [*choice, *part.get("required", [])]
-    for name in ("PointsLine", "TableProfile"):
+    for name in ("PointsLine", "TableProfile", "TableHardening", "TensileHardening"):
         parts[name]["required"].remove("points")
         parts[name]["oneOf"] = [{"required": ["points"]}, {"required": ["file"]}]
     parts["CosineLine"]["required"].remove("height")
@@ -43,9 +44,12 @@ def _number_or_text(coefficients: dict[str, Any]) -> None:
 def _material_or_matrix(wire: dict[str, Any]) -> None:
     for key in ("diameter", "youngs_modulus"):
         del wire["properties"][key]["default"]
+    named = {"type": "string", "enum": list(library())}
+    wire["properties"]["material"] |= {"anyOf": [named, {"type": "null"}]}
     paper = {"properties": {"stiffness": {"const": "paper"}}, "required": ["stiffness"]}
     wire["anyOf"] = [
         {"required": ["diameter", "youngs_modulus"]},
+        {"required": ["diameter", "material"]},
         {"required": ["diameter", "stiffness"]},
         paper,
     ]

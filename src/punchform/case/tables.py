@@ -1,4 +1,4 @@
-"""Tables of points from CSV files, for centrelines and profiles."""
+"""Tables of points from CSV files, for centrelines, profiles and flow curves."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def _rows(path: Path) -> list[list[float]]:
             raise MisfitError(
                 f"line {number} of {path.name} is not a row of numbers: '{line.strip()[:60]}'",
                 key=("file",),
-                hint="write bare numbers in mm, separated by commas; the first line may hold names",
+                hint="write bare numbers (mm, MPa), separated by commas; the first line may hold names",
             ) from None
         if not all(math.isfinite(value) for value in row):
             raise MisfitError(f"line {number} of {path.name} has a number that is not finite", key=("file",))

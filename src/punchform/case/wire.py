@@ -6,6 +6,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Discriminator, Field, ModelWrapValidatorHandler, Tag, model_validator
 
+from punchform.case.hardening import FibreSection, Hardening, SectionLaw, TableHardening, TensileHardening
+from punchform.case.materials import library, likely, settings_of
 from punchform.case.parts import (
     Count,
     Length,
@@ -18,7 +20,7 @@ from punchform.case.parts import (
     Quantity,
 )
 from punchform.case.tables import points_in_place_of_file
-from punchform.units import LENGTH, NUMBER, UnitError, quantity
+from punchform.units import LENGTH, NUMBER, UnitError, as_written, quantity
 
 PAPER_DIAMETER = 0.75
 """Diameter and crimp height of the wire of the paper's Table 1 [mm]."""
@@ -83,8 +85,11 @@ Stiffness = Annotated[
 ]
 
 
-MATERIAL = ("youngs_modulus", "poisson", "shear_factor", "yield_strength")
-"""What a stiffness is computed from; beside one that is given it says nothing."""
+MATERIAL = ("material", "youngs_modulus", "poisson", "shear_factor", "hardening", "yield_strength", "section")
+"""What a stiffness is computed from, and how its wire yields; beside one that is given it says nothing."""
+
+CURVES = ("table", "tensile")
+"""The kinds of hardening that say themselves where the wire yields."""
 
 
 def _own_centreline(known: dict[str, Any]) -> CosineLine | None:
@@ -122,6 +127,39 @@ def _of_one_diameter(values: dict[str, Any]) -> dict[str, Any]:
     return {"centreline": {**given, "height": _length_or_nil(values.get("diameter"))}}
 
 
+def _own_yield(known: dict[str, Any]) -> float | None:
+    return known["hardening"].points[0][1] if isinstance(known["hardening"], TableHardening) else None
+
+
+def _of_material(values: dict[str, Any]) -> dict[str, Any]:
+    """What the material of a wire says where the wire does not itself."""
+    name = values.get("material")
+    if not isinstance(name, str):
+        return {}
+    known = library()
+    if name not in known:
+        raise MisfitError(f"there is no material {as_written(name)}", key=("material",), hint=likely(name, known))
+    law = values.get("hardening")
+    kind = law.get("kind") if isinstance(law, dict) else getattr(law, "kind", None)
+    said = {*values, "yield_strength"} if kind in CURVES else values
+    return {key: value for key, value in settings_of(known[name]).items() if key not in said}
+
+
+def _refuse_beside_stiffness(values: dict[str, Any]) -> None:
+    if values.get("stiffness") is None:
+        return
+    for key in (key for key in MATERIAL if key in values):
+        if key == "hardening":
+            raise MisfitError(
+                "a wire whose stiffness is given as a matrix cannot yield: nobody knows how it runs between crossings",
+                key=(key,),
+                hint="give the wire as a material, a diameter and a centreline, or leave out `hardening`",
+            )
+        raise MisfitError(
+            "has no effect beside a given stiffness", key=(key,), hint=f"leave out `{key}` or `stiffness`"
+        )
+
+
 class WireCase(Part):
     """One wire between two crossings: its 6 x 6 stiffness follows from it, Eq. (2.4), or is given."""
 
@@ -130,11 +168,16 @@ class WireCase(Part):
         description="'paper' for the paper's Table 1, or 6 rows of 6 numbers in element axes "
         "[N/mm, N, N mm], Eq. (2.1); then no centreline is needed",
     )
+    material: str | None = Field(
+        default=None,
+        description="name of a material, as `punchform materials` lists them: it gives modulus, Poisson's ratio, "
+        "density, yield strength and hardening where they are left out",
+    )
     diameter: PositiveLength = Field(
         default=PAPER_DIAMETER, description="wire diameter [mm]; needed unless stiffness = 'paper'"
     )
     youngs_modulus: PositiveStress = Field(
-        default=210000.0, description="Young's modulus E [MPa]; needed unless the stiffness is given"
+        default=210000.0, description="Young's modulus E [MPa]; needed unless material or stiffness are given"
     )
     poisson: Annotated[float, Quantity(NUMBER, above=-1.0, most=0.5)] = Field(
         default=0.3, description="Poisson's ratio nu [-]"
@@ -142,8 +185,20 @@ class WireCase(Part):
     shear_factor: Annotated[float, Quantity(NUMBER, above=0.0, most=1.0)] = Field(
         default=0.9, description="shear factor kappa of the section [-]"
     )
+    hardening: Hardening = Field(
+        default="none",
+        description="none: the wire stays elastic; perfect: it yields at the yield strength for ever; or a table with "
+        "the kind linear, voce, power, table (a flow curve) or tensile (a test)",
+    )
     yield_strength: PositiveStress | None = Field(
-        default=None, description="yield strength [MPa]; gives the ratio of stress to it"
+        default_factory=_own_yield,
+        description="stress at which plastic strain begins [MPa]; gives the ratio of stress to it, and is needed for "
+        "hardening that does not say it",
+    )
+    section: SectionLaw = Field(
+        default="resultants",
+        description="how the section of a wire that yields is followed: by its force and moments, or as fibres, "
+        "{ rings = 4, sectors = 12 } unless said",
     )
     density: Annotated[float, Quantity(NUMBER, above=0.0, most=30_000.0)] | None = Field(
         default=None, description="density [kg/m^3]; needed for gravity, gives the mass of the wire"
@@ -162,17 +217,53 @@ class WireCase(Part):
     def _demand_and_complete(cls, values: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
         if not isinstance(values, dict):
             return handler(values)
+        _refuse_beside_stiffness(values)
+        followed = _of_material(values)
         # None is refused by both fields: a wire is never given a size or a modulus silently.
         needed = {"diameter": None} if values.get("stiffness") != "paper" else {}
         needed |= {"youngs_modulus": None} if values.get("stiffness") is None else {}
-        for key in MATERIAL if values.get("stiffness") is not None else ():
-            if key in values:
-                raise MisfitError(
-                    "has no effect beside a given stiffness", key=(key,), hint=f"leave out `{key}` or `stiffness`"
-                )
         line = _of_one_diameter(values)
-        wire = handler({**needed, **values, **line})
+        wire = handler({**needed, **followed, **values, **line})
+        # What was not given but followed from the material or the diameter follows again in a copy of this wire.
+        for key in followed:
+            wire.model_fields_set.discard(key)
         if line and wire.centreline is not None:
-            # A copy of this wire with another diameter has another crimp: the height was not given, it followed.
             wire.centreline.model_fields_set.discard("height")
         return wire
+
+    @model_validator(mode="after")
+    def _yields_somewhere(self) -> Self:
+        if isinstance(self.hardening, TableHardening):
+            begin = self.hardening.points[0][1]
+            if self.yield_strength != begin:
+                raise MisfitError(
+                    f"the flow curve of `hardening` begins at {begin:g} MPa",
+                    key=("yield_strength",),
+                    hint="leave out `yield_strength`",
+                )
+        elif isinstance(self.hardening, TensileHardening):
+            if self.yield_strength is not None:
+                raise MisfitError(
+                    "the tensile test of `hardening` says where the wire yields",
+                    key=("yield_strength",),
+                    hint="leave out `yield_strength`",
+                )
+        elif self.yields and self.yield_strength is None:
+            raise MisfitError(
+                "nobody says at what stress the wire yields",
+                key=("hardening",),
+                hint="give `yield_strength`, or a `material` that has one",
+            )
+        return self
+
+    @property
+    def yields(self) -> bool:
+        """Whether the wire yields; else it is elastic whatever its stress."""
+        return self.hardening != "none"
+
+    @property
+    def fibres(self) -> FibreSection | None:
+        """The fibres of the section, None where it is followed by its resultants."""
+        if isinstance(self.section, FibreSection):
+            return self.section
+        return FibreSection() if self.section == "fibres" else None

@@ -20,6 +20,8 @@ _ALTERNATIVES = {
     "crossing": "or a table such as { stiffness = '20 N*mm/rad' }",
     "hold": "or a table such as { from_radius = '300 mm' }",
     "stiffness": "or 6 rows of 6 numbers",
+    "hardening": "or a table such as { kind = 'linear', modulus = '2.5 GPa' }",
+    "section": "or a table such as { rings = 4, sectors = 12 }",
 }
 """What else than a word a key may hold."""
 
@@ -165,6 +167,8 @@ def _is_absent(path: Path, raw: object) -> bool:
 
 
 def _choices_at(model: type[BaseModel], location: Path, key: str) -> list[str]:
+    while _is_tag(location[-1]):
+        location = location[:-1]
     owner = _model_at(model, location[:-1])
     members = _models_in(owner.model_fields[str(location[-1])].annotation)
     return [choice for member in members for choice in get_args(member.model_fields[key].annotation)]

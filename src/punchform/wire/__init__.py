@@ -5,15 +5,18 @@ from punchform.wire.element import Element, along, axial_compliance, given, mirr
 from punchform.wire.element_plot import plot_element
 from punchform.wire.element_report import ElementReport, describe
 from punchform.wire.flexibility import deflections, flexibility, inverse, straight_wire
+from punchform.wire.hardening import Hardening
 from punchform.wire.pieces import pieces, together
 from punchform.wire.section import Section, round_section
 from punchform.wire.stations import Stations, stations
 from punchform.wire.stress import stress
+from punchform.wire.yielding import hardening_of
 
 __all__ = [
     "Centreline",
     "Element",
     "ElementReport",
+    "Hardening",
     "Section",
     "Stations",
     "along",
@@ -23,6 +26,7 @@ __all__ = [
     "describe",
     "flexibility",
     "given",
+    "hardening_of",
     "inverse",
     "line_through",
     "mirror_symmetric",

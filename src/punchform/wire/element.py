@@ -12,7 +12,9 @@ from punchform.errors import InputError
 from punchform.wire import paper
 from punchform.wire.centreline import Centreline, centreline
 from punchform.wire.flexibility import asymmetry, flexibility, inverse
+from punchform.wire.hardening import Hardening
 from punchform.wire.section import Section, round_section
+from punchform.wire.yielding import hardening_of
 
 if TYPE_CHECKING:
     from punchform.case import WireCase
@@ -45,6 +47,7 @@ class Element:
     section and centreline are None when C was given as a matrix. asymmetry is how far that matrix,
     or the flexibility of Eq. (2.4), was from symmetric before it was made so, by `asymmetry`. Of a wire cut in pieces
     an element is one of them: height is that of the whole wire and drop how far the piece ends below A, Eq. (7.5).
+    hardening is how the wire yields, None for an elastic one; C is the stiffness before it does.
     """
 
     C: Floats
@@ -54,6 +57,7 @@ class Element:
     centreline: Centreline | None = None
     asymmetry: float = 0.0
     drop: float = 0.0
+    hardening: Hardening | None = None
 
     @property
     def wire_length(self) -> float:
@@ -75,11 +79,13 @@ def stiffness(case: WireCase, step: tuple[float, float]) -> tuple[Element, Eleme
     """The element of each family of wires; one and the same object when the steps are equal.
 
     step (s_x, s_y) [mm]. Raises InputError when the matrix of the case is not a stiffness, when it
-    would have to serve two different steps, or when the centreline does not fit a step.
+    would have to serve two different steps, when the centreline does not fit a step, or when the wire cannot yield as
+    the case says.
     """
     first, second = step
+    hardening = hardening_of(case)
     if first == second:
-        element = _element(case, first)
+        element = _element(case, first, hardening)
         return element, element
     if case.stiffness is not None:
         raise InputError.of(
@@ -87,7 +93,7 @@ def stiffness(case: WireCase, step: tuple[float, float]) -> tuple[Element, Eleme
             where="wire.stiffness",
             hint="use equal steps, or give the wire as diameter, youngs_modulus, ... and a centreline",
         )
-    return _element(case, first), _element(case, second)
+    return _element(case, first, hardening), _element(case, second, hardening)
 
 
 def mirror_symmetric(elements: tuple[Element, ...]) -> bool:
@@ -109,8 +115,10 @@ def axial_compliance(element: Element) -> float:
     return float((B[0, 0] - B[0, 4] ** 2 / B[4, 4]) / element.length)
 
 
-def along(line: Centreline, section: Section, *, height: float | None = None) -> Element:
-    """The element of a wire with a given centreline and section, Eq. (2.4).
+def along(
+    line: Centreline, section: Section, *, height: float | None = None, hardening: Hardening | None = None
+) -> Element:
+    """The element of a wire with a given centreline and section, Eq. (2.4), and how it yields.
 
     height [mm] is the offset of A from O where it differs from the rise of the centreline: wires
     that are stacked, not woven, stay straight and yet lie one on top of the other.
@@ -119,7 +127,7 @@ def along(line: Centreline, section: Section, *, height: float | None = None) ->
     C = inverse(B)
     C.setflags(write=False)
     rise = line.rise if height is None else height
-    return Element(C, rise, float(line.tip[0]), section, line, float(asymmetry(B).max()))
+    return Element(C, rise, float(line.tip[0]), section, line, float(asymmetry(B).max()), hardening=hardening)
 
 
 def given(matrix: Floats, *, height: float, length: float) -> Element:
@@ -159,7 +167,7 @@ def eigenvalues(C: Floats, length: float) -> Floats:
     return np.asarray(np.linalg.eigvalsh(_one_unit(C, length)), dtype=np.float64)
 
 
-def _element(case: WireCase, step: float) -> Element:
+def _element(case: WireCase, step: float, hardening: Hardening | None) -> Element:
     if case.stiffness is not None:
         return _from_matrix(case, step)
     if case.centreline is None:
@@ -178,7 +186,7 @@ def _element(case: WireCase, step: float) -> Element:
             where="wire.height",
             hint="leave out wire.height: it is for a wire whose stiffness is given as a matrix",
         )
-    return along(line, section, height=height)
+    return along(line, section, height=height, hardening=hardening)
 
 
 def _from_matrix(case: WireCase, step: float) -> Element:

@@ -75,5 +75,6 @@ def _pieces(element: Element, count: int) -> list[Element]:
     found, reached = [], 0.0
     for part in cut(line, count):
         reached += part.rise
-        found.append(replace(along(part, section), height=element.height, drop=line.rise - reached))
+        piece = along(part, section, hardening=element.hardening)
+        found.append(replace(piece, height=element.height, drop=line.rise - reached))
     return found
