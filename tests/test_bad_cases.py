@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from punchform.case import packaged_text
 from punchform.cli import main
 
 GOOD = """\
@@ -126,6 +127,135 @@ TABLE: list[tuple[str, str, str, str]] = [
     ),
     ("210 GPa", "210000 N/mm2", "10: wire.youngs_modulus: expected a stress", "write `N/mm^2` or `MPa`"),
     (STEP, STEP + '\ncrossing = { stiffness = "20 N mm1/rad" }', "6: grid.crossing.stiffness:", "`N mm^1/rad`"),
+    # what the wire is made of and how it yields
+    (
+        MODULUS,
+        'material = "304 anealed"',
+        "10: wire.material: there is no material '304 anealed'",
+        "did you mean `304 annealed`? `punchform materials` lists all",
+    ),
+    (MODULUS, 'material = "304"', "10: wire.material: there is no material '304'", "`304 annealed` or `304 quarter"),
+    (MODULUS, 'material = "unobtainium"', "10: wire.material: there is no material", "`punchform materials` lists"),
+    (MODULUS, MODULUS + "\nmaterial = 304", "11: wire.material: expected text in quotes, not 304", ""),
+    (
+        MODULUS,
+        MODULUS + '\nhardening = "perfct"',
+        "11: wire.hardening: expected 'none' or 'perfect', or a table such as { kind = 'linear'",
+        "did you mean `perfect`?",
+    ),
+    (MODULUS, MODULUS + '\nhardening = "perfect"', "11: wire.hardening: nobody says at what stress", "`material`"),
+    (MODULUS, MODULUS + "\nhardening = 3", "11: wire.hardening: expected 'none' or 'perfect'", ""),
+    (
+        MODULUS,
+        MODULUS + "\nhardening = { kind = 'vocee', rate = 3 }",
+        "11: wire.hardening.kind: expected 'linear', 'voce', 'power', 'table' or 'tensile', not 'vocee'",
+        "did you mean `voce`?",
+    ),
+    (MODULUS, MODULUS + "\nhardening = { modulus = 3 }", "11: wire.hardening.kind: is missing: expected 'linear'", ""),
+    (
+        MODULUS,
+        MODULUS + "\nyield_strength = 300\nhardening = { kind = 'linear', moduls = 3 }",
+        "12: wire.hardening.moduls: no such setting",
+        "did you mean `modulus`?",
+    ),
+    (
+        MODULUS,
+        MODULUS + "\nyield_strength = 300\nhardening = { kind = 'linear', modulus = '3 mm' }",
+        "12: wire.hardening.modulus: expected a stress or modulus such as '210 GPa', not '3 mm'",
+        "",
+    ),
+    (
+        MODULUS,
+        MODULUS + "\nyield_strength = 300\nhardening = { kind = 'linear', modulus = '210 GPa' }",
+        "12: wire.hardening.modulus: a tensile curve that rises by 210000 MPa before yield",
+        "less than youngs_modulus",
+    ),
+    (
+        MODULUS,
+        MODULUS + "\nyield_strength = 300\nhardening = { kind = 'voce', saturation = '250 MPa', rate = 9 }",
+        "12: wire.hardening.saturation: 250 MPa is less than the yield strength of 300 MPa",
+        "not the rise",
+    ),
+    (
+        MODULUS,
+        MODULUS + "\nyield_strength = 300\nhardening = { kind = 'power', strength = 280, exponent = 0.2 }",
+        "12: wire.hardening.strength: 280 MPa, the stress at a strain of 1, is not above the yield strength",
+        "",
+    ),
+    (
+        MODULUS,
+        MODULUS + "\nyield_strength = 300\nhardening = { kind = 'linear', modulus = 0, kinematic = 2 }",
+        "12: wire.hardening.kinematic: must be at most 1, not 2",
+        "",
+    ),
+    (
+        MODULUS,
+        MODULUS + "\nhardening = { kind = 'table', points = [[0, 300], [10, 400]] }",
+        "11: wire.hardening.points: a strain of 10 is 10 times the length",
+        "write 0.25 for 25 %",
+    ),
+    (
+        MODULUS,
+        MODULUS + "\nhardening = { kind = 'table', points = [[0, 300], [0.1, 290]] }",
+        "11: wire.hardening.points: the stress falls from point to point: point 2",
+        "",
+    ),
+    (
+        MODULUS,
+        MODULUS + "\nhardening = { kind = 'table', points = [[0, 300], [0.1, 400]] }\nyield_strength = 290",
+        "12: wire.yield_strength: the flow curve of `hardening` begins at 300 MPa",
+        "leave out",
+    ),
+    (
+        MODULUS,
+        MODULUS + "\nhardening = { kind = 'table' }",
+        "11: wire.hardening.points: is missing",
+        "",
+    ),
+    (
+        MODULUS,
+        MODULUS + "\nhardening = { kind = 'tensile', file = 'bad.csv' }",
+        "11: wire.hardening.file: line 2 of bad.csv is not a row of numbers",
+        "numbers",
+    ),
+    (
+        MODULUS,
+        MODULUS + "\nhardening = { kind = 'tensile', points = [[0, 0], [1, 2], [2, 3]] }",
+        "11: wire.hardening.points: a tensile test needs at least 5 rows",
+        "",
+    ),
+    (
+        MODULUS,
+        MODULUS + "\nhardening = { kind = 'tensile', points = [[0, 0], [1, 2], [2, 3]] }\nyield_strength = 300",
+        "12: wire.yield_strength: the tensile test of `hardening` says where the wire yields",
+        "leave out",
+    ),
+    (
+        MODULUS,
+        MODULUS + "\nyield_strength = '300 GPa'\nhardening = 'perfect'",
+        "11: wire.yield_strength: no wire with a Young's modulus of 210000 MPa yields at 300000 MPa",
+        "units",
+    ),
+    (
+        MODULUS,
+        MODULUS + "\nsection = 'fibers'",
+        "11: wire.section: expected 'resultants' or 'fibres', or a table such as { rings = 4",
+        "did you mean `fibres`?",
+    ),
+    (MODULUS, MODULUS + "\nsection = { rings = 0 }", "11: wire.section.rings: must be at least 1, not 0", ""),
+    (MODULUS, MODULUS + "\nsection = { sectors = 3 }", "11: wire.section.sectors: must be at least 4, not 3", ""),
+    (
+        MODULUS,
+        "stiffness = 'paper'\nhardening = 'perfect'",
+        "11: wire.hardening: a wire whose stiffness is given as a matrix cannot yield",
+        "centreline",
+    ),
+    (
+        MODULUS,
+        "stiffness = 'paper'\nmaterial = 'brass hard'",
+        "11: wire.material: has no effect beside a given stiffness",
+        "",
+    ),
     # limits
     ("0.75 mm", "-0.75 mm", "9: wire.diameter: must be more than 0, not '-0.75 mm'", ""),
     ("345 mm", "0 mm", "6: grid.blank.radius: must be more than 0, not '0 mm'", ""),
@@ -534,6 +664,40 @@ def test_contradictions_are_told_beside_faults_of_other_sections(
         "grid.blank.radius",
         "press.rim",
     ]
+
+
+@pytest.mark.parametrize(
+    ("press", "message", "hint"),
+    [
+        ('kinematics = "differences"', "18: press.kinematics: a wire that yields needs the free kinematics", "free"),
+        ('frame = "O"', "18: press.frame: a wire that yields is stretched too far", 'frame = "chord"'),
+        ('method = "descent"', "18: press.method: the paper's descent follows an energy", "newton"),
+    ],
+)
+def test_a_wire_that_yields_needs_a_press_that_follows_it(
+    press: str, message: str, hint: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = folder / "dish.toml"
+    case.write_text(GOOD.replace(MODULUS, 'material = "304 annealed"').replace(RIM, press), encoding="utf-8")
+    [error, told] = said(capsys, ["check", str(case)])
+    assert error.startswith(f"error: {case}:{message}")
+    assert hint in told
+    assert 'wire.hardening = "none" for an elastic wire' in told
+    case.write_text(GOOD.replace(RIM, press), encoding="utf-8")
+    assert main(["check", str(case)]) == 0
+
+
+def test_the_wires_of_a_gridshell_do_not_yield(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    case = folder / "shell.toml"
+    text = packaged_text("gridshell")
+    for line, key in (
+        ('material = "304 annealed"', "material"),
+        ('hardening = "perfect"\nyield_strength = "1 MPa"', "hardening"),
+    ):
+        case.write_text(text.replace("[wire]", f"[wire]\n{line}"), encoding="utf-8")
+        [error, hint] = said(capsys, ["check", str(case)])
+        assert f": wire.{key}: the wires of a gridshell do not yield yet" in error
+        assert 'wire.hardening = "none"' in hint
 
 
 def test_welded_crossings_contradict_differences(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

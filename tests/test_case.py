@@ -22,13 +22,16 @@ from punchform.case import (
     DescentCase,
     EllipsoidProfile,
     ExpressionProfile,
+    FibreSection,
     FlatProfile,
     GridCase,
     HoldFrom,
+    LinearHardening,
     ParaboloidProfile,
     PointsLine,
     PolygonBlank,
     PolynomialProfile,
+    PowerHardening,
     PressCase,
     PunchCase,
     RectangleBlank,
@@ -36,8 +39,11 @@ from punchform.case import (
     SolverCase,
     SphereProfile,
     StraightLine,
+    TableHardening,
     TableProfile,
     TargetCase,
+    TensileHardening,
+    VoceHardening,
     WireCase,
     case_from_text,
     json_schema,
@@ -110,6 +116,47 @@ def test_a_cosine_without_height_has_one_diameter() -> None:
     assert case_from_text(text).wire.centreline == CosineLine(height=0.5, segments=8)
 
 
+def test_a_material_gives_what_is_left_out() -> None:
+    material = SHORT.replace('youngs_modulus = "210 GPa"', 'material = "304 annealed"')
+    wire = case_from_text(material).wire
+    assert (wire.youngs_modulus, wire.poisson, wire.density, wire.yield_strength) == (193e3, 0.29, 8000, 205)
+    assert wire.hardening == PowerHardening(strength=1275, exponent=0.45)
+    assert wire.model_fields_set == {"diameter", "material"}
+    own = material.replace("[wire]", '[wire]\nyoungs_modulus = "190 GPa"\nhardening = "none"')
+    wire = case_from_text(own).wire
+    assert (wire.youngs_modulus, wire.hardening, wire.yield_strength, wire.yields) == (190e3, "none", 205, False)
+    flow = material.replace("[wire]", "[wire]\nhardening = { kind = 'table', points = [[0, 240], [0.2, 600]] }")
+    assert case_from_text(flow).wire.yield_strength == 240
+    resolved = case_from_text(write_case(case_from_text(material)))
+    assert resolved == case_from_text(material)
+    assert resolved.wire.model_copy(update={"material": "brass hard"}).youngs_modulus == 193e3
+
+
+def test_a_tensile_test_is_written_into_the_resolved_case(tmp_path: Path) -> None:
+    (tmp_path / "test.csv").write_text("strain, stress\n0, 0\n0.001, 205\n0.01,250\n0.1,440\n0.3,540\n", "utf-8")
+    text = SHORT.replace("[wire]", "[wire]\nhardening = { kind = 'tensile', file = 'test.csv', kinematic = 0.5 }")
+    case = case_from_text(text, folder=tmp_path)
+    rows = ((0, 0), (0.001, 205), (0.01, 250), (0.1, 440), (0.3, 540))
+    assert case.wire.hardening == TensileHardening(points=rows, kinematic=0.5)
+    assert case.wire.yield_strength is None
+    assert case_from_text(write_case(case)) == case
+
+
+def test_fibres_have_a_usual_number() -> None:
+    wire = case_from_text(SHORT).wire
+    assert wire.fibres is None
+    assert wire.model_copy(update={"section": "fibres"}).fibres == FibreSection(rings=4, sectors=12)
+    assert wire.model_copy(update={"section": {"rings": 6}}).fibres == FibreSection(rings=6, sectors=12)
+
+
+def test_a_wire_that_yields_is_read_from_its_chord() -> None:
+    elastic = case_from_text(SHORT)
+    wire = elastic.wire.model_copy(update={"hardening": "perfect", "yield_strength": 300})
+    case = elastic.model_copy(update={"wire": wire})
+    assert (elastic.pressing.chord, case.pressing.chord, case.press.frame) == (False, True, "auto")
+    assert elastic.pressing is elastic.press
+
+
 def test_a_case_cannot_be_changed() -> None:
     case = read_case("packaged:check")
     with pytest.raises(ValidationError, match="frozen"):
@@ -152,6 +199,9 @@ def with_choice(number: int) -> str:
             lines[row] = ""
         if row == number or (commented and re.match(r"# (\[|\w+ = )", lines[row])):
             lines[row] = lines[row].removeprefix("# ")
+    # A wire yields at a stress; a flow curve says it itself.
+    if key == "hardening" and '"table"' not in lines[number]:
+        lines[first] += '\nyield_strength = "300 MPa"'
     # Loads act on a released grid.
     released = "\n[release]\nhold = 'rim'\n" if lines[first].startswith("[load]") else ""
     return "\n".join(lines) + released
@@ -169,12 +219,16 @@ def test_every_choice_that_the_template_shows_is_valid() -> None:
 def test_points_come_from_a_file_beside_the_case(tmp_path: Path) -> None:
     (tmp_path / "crimp.csv").write_text("\N{BOM}x, z\r\n0, 0\r\n3.75; 0.3  # middle\r\n\r\n7.5 0.75\r\n", "utf-8")
     (tmp_path / "bowl.csv").write_text("0,90\n100,80\n300,0\n", "utf-8")
+    (tmp_path / "flow.csv").write_text("strain, stress\n0, 300\n0.1, 410.5\n", "utf-8")
     text = SHORT.replace('"210 GPa"', '"210 GPa"\ncentreline = { kind = "points", file = "crimp.csv" }')
+    text = text.replace("[wire]", '[wire]\nhardening = { kind = "table", file = "flow.csv" }')
     text = text.replace('kind = "sphere", radius = 400', 'kind = "table", file = "bowl.csv"')
     (tmp_path / "dish.toml").write_text(text, "utf-8")
     case = read_case(tmp_path / "dish.toml")
     assert case.wire.centreline == PointsLine(points=((0, 0), (3.75, 0.3), (7.5, 0.75)))
     assert case.wire.height == 0.75
+    assert case.wire.hardening == TableHardening(points=((0, 300), (0.1, 410.5)))
+    assert case.wire.yield_strength == 300
     assert case.tool.profile == TableProfile(points=((0, 90), (100, 80), (300, 0)))
     assert case_from_text(write_case(case)) == case
 
@@ -234,6 +288,9 @@ def test_the_schema_tells_units_and_what_is_needed() -> None:
     assert schema["additionalProperties"] is False
     assert "[mm]" in parts["PunchCase"]["properties"]["rim_radius"]["description"]
     assert parts["SphereProfile"]["required"] == ["kind", "radius"]
+    assert parts["LinearHardening"]["required"] == ["kind", "modulus"]
+    assert {"required": ["diameter", "material"]} in parts["WireCase"]["anyOf"]
+    assert "304 annealed" in parts["WireCase"]["properties"]["material"]["anyOf"][0]["enum"]
     assert json.loads(json.dumps(schema)) == schema
     for name, part in parts.items():
         for key, entry in part["properties"].items():
@@ -279,6 +336,21 @@ lines = st.one_of(
     st.builds(StraightLine, height=st.floats(0, 4)),
     st.just(PointsLine(points=((0.0, 0.0, 0.0), (4.0, 0.1, 0.2), (5.0, 0.0, 1 / 3)))),
 )
+shares = st.floats(0, 1)
+laws = st.one_of(
+    st.sampled_from(["none", "perfect"]),
+    st.builds(LinearHardening, modulus=positive, kinematic=shares),
+    st.builds(VoceHardening, saturation=positive, rate=positive, modulus=positive, kinematic=shares),
+    st.builds(PowerHardening, strength=positive, exponent=st.floats(0.01, 0.9), kinematic=shares),
+)
+sections = st.one_of(
+    st.sampled_from(["resultants", "fibres"]),
+    st.builds(FibreSection, rings=st.integers(1, 64), sectors=st.integers(4, 256)),
+)
+curves = st.one_of(
+    st.builds(TableHardening, points=st.just(((0.0, 300.0), (0.1, 1000 / 3))), kinematic=shares),
+    st.builds(TensileHardening, points=st.just(((-0.1, -1.0), (0.1, 1 / 3)))),
+)
 matrices = st.lists(st.lists(lengths, min_size=6, max_size=6).map(tuple), min_size=6, max_size=6).map(tuple)
 wires = st.one_of(
     st.builds(
@@ -289,6 +361,22 @@ wires = st.one_of(
         yield_strength=st.none() | positive,
         centreline=lines,
     ),
+    st.builds(
+        WireCase,
+        diameter=st.floats(0.01, 4),
+        youngs_modulus=positive,
+        yield_strength=positive,
+        hardening=laws,
+        section=sections,
+    ),
+    st.builds(WireCase, diameter=st.floats(0.01, 4), youngs_modulus=positive, hardening=curves),
+    st.builds(
+        WireCase,
+        diameter=st.floats(0.01, 4),
+        material=st.sampled_from(["304 annealed", "Al 5056-H38"]),
+        hardening=st.just("none") | curves,
+    ),
+    st.builds(WireCase, diameter=st.floats(0.01, 4), material=st.just("brass hard"), density=positive),
     st.builds(WireCase, stiffness=st.just("paper"), height=st.floats(0, 4)),
     st.builds(WireCase, stiffness=matrices, diameter=st.floats(0.01, 4)),
 )
@@ -300,8 +388,16 @@ presses = st.builds(
     pull=st.none() | st.tuples(st.floats(0, 100), st.floats(0, 100)),
     descent=st.builds(DescentCase, rule=st.sampled_from(["exact", "fixed"]), step_length=positive),
 )
+
+
+def case_of(*, wire: WireCase, press: PressCase, **others: Any) -> Case:
+    """A case whose press can follow its wire."""
+    followed = press.model_copy(update={"method": "newton"}) if wire.yields else press
+    return Case(wire=wire, press=followed, **others)
+
+
 cases = st.builds(
-    Case,
+    case_of,
     title=st.text(max_size=30),
     grid=grids,
     wire=wires,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -53,7 +53,7 @@ def prepare(case: Case) -> Prepared:
         ),
         problems,
     )
-    doubts += (*_soft(case), *_idle(case))
+    doubts += (*_soft(case), *_idle(case), *_not_followed(case))
     if problems or grid is None or elements is None or punch is None:
         raise InputError(problems)
     return Prepared(grid, elements, punch, doubts)
@@ -72,12 +72,21 @@ def _soft(case: Case) -> tuple[Problem, ...]:
     return (Problem(told, "wire.youngs_modulus", "write '210 GPa' for steel"),)
 
 
-def _idle(case: Case) -> tuple[Problem, ...]:
-    """Settings of a descent that is not asked for."""
-    if case.press.method == "descent" or case.press.descent == DescentCase():
-        return ()
-    told = f"the settings of the descent have no effect: the method is {case.press.method}"
-    return (Problem(told, "press.descent", 'write method = "descent", or leave them out'),)
+def _idle(case: Case) -> Iterator[Problem]:
+    """Settings of a descent that is not asked for, and of yielding for a wire that does not."""
+    if case.press.method != "descent" and case.press.descent != DescentCase():
+        told = f"the settings of the descent have no effect: the method is {case.press.method}"
+        yield Problem(told, "press.descent", 'write method = "descent", or leave them out')
+    if case.wire.fibres is not None and not case.wire.yields:
+        told = "fibres have no effect: the wire has no hardening, so that it does not yield"
+        yield Problem(told, "wire.section", "give wire.hardening, or leave `section` out")
+
+
+def _not_followed(case: Case) -> Iterator[Problem]:
+    """How a wire yields is known before the mechanics follows it."""
+    if case.wire.yields:
+        told = "the wires are taken as elastic: how they yield is read and checked, but not followed yet"
+        yield Problem(told, "wire.hardening", 'look at the stress ratio, and write wire.hardening = "none"')
 
 
 def _target_problems(case: Case) -> tuple[Problem, ...]:

@@ -55,16 +55,17 @@ def run(case: Case, *, observe: Observer = silent) -> Run:
     """
     begun = perf_counter()
     ready = prepare(case)
-    wires = _Wires(
-        crossing=case.grid.crossing, solver=case.solver, yield_strength=case.wire.yield_strength, observe=observe
-    )
-    formed = press(ready.grid, ready.elements, ready.punch, case.press, **wires)
+    hardening = ready.elements[0].hardening
+    # A tensile test says where its wire yields.
+    strength = case.wire.yield_strength if hardening is None else hardening.yield_strength
+    wires = _Wires(crossing=case.grid.crossing, solver=case.solver, yield_strength=strength, observe=observe)
+    formed = press(ready.grid, ready.elements, ready.punch, case.pressing, **wires)
     released = loaded = None
     if case.release is not None:
         whole_grid = _whole_grid(case, ready)
-        released = release(formed, ready.elements, case.release, case.press, full_grid=whole_grid, **wires)
+        released = release(formed, ready.elements, case.release, case.pressing, full_grid=whole_grid, **wires)
         if case.load is not None:
-            loaded = load(released, ready.elements, case.load, case.wire, case.press, **wires)
+            loaded = load(released, ready.elements, case.load, case.wire, case.pressing, **wires)
     final = released or formed
     accuracy = None
     if case.target is not None:

@@ -24,6 +24,7 @@ from punchform.case.release import HoldFrom, ReleaseCase
 from punchform.case.shell_checks import shell_findings
 from punchform.case.target import TargetCase
 from punchform.case.wire import PAPER_DIAMETER, StraightLine, WireCase, rise
+from punchform.case.yield_checks import yield_findings
 
 
 def findings(
@@ -57,6 +58,8 @@ def findings(
         yield from _load_can_act(load, wire, release)
     if punch and target:
         yield from _aperture_inside_rim(punch, target)
+    if wire and press:
+        yield from yield_findings(wire, press)
     yield from shell_findings(grid=grid, wire=wire, punch=punch, press=press, release=release, load=load, target=target)
 
 

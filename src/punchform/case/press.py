@@ -53,7 +53,7 @@ class PressCase(Part):
         default="auto",
         description="where an element's deformation is read: O: in the paper's frame at its end O, Eq. (3.2); chord: "
         "from the line between its ends, Eq. (3.12), which stays right at large bends and pulls; auto: chord where the "
-        "rim is clamped or held or wire ends are given, else O",
+        "rim is clamped or held, wire ends are given or the wire yields, else O",
     )
     rim: Literal["draw", "clamp"] = Field(
         default="draw", description="draw: the flange slides in freely; clamp: held from the rim outwards"
@@ -88,7 +88,7 @@ class PressCase(Part):
 
     @property
     def chord(self) -> bool:
-        """Whether deformations are read from the chord."""
+        """Whether deformations are read from the chord, as far as the press says; `Case.pressing` asks the wire too."""
         far = self.rim == "clamp" or self.ends is not None or self.hold is not None
         return self.frame == "chord" or (self.frame == "auto" and far)
 

@@ -61,6 +61,13 @@ class Case(Part):
         return self.punch
 
     @property
+    def pressing(self) -> PressCase:
+        """The press in the frame that the wire asks for: one that yields is read from its chord."""
+        if self.press.frame != "auto" or not self.wire.yields:
+            return self.press
+        return self.press.model_copy(update={"frame": "chord"})
+
+    @property
     def rim_radius(self) -> float | None:
         """Radius of the rim of the punch [mm], None without one."""
         return None if self.punch is None else self.punch.rim_radius

@@ -112,17 +112,18 @@ def _wires(formed: Formed) -> str:
 
 
 def _yield(run: Run) -> str:
-    whole, strength = run.formed.whole, run.case.wire.yield_strength
+    whole = run.formed.whole
     known = np.isfinite(whole.stress)
     if not known.any():
         return "The stress in the wires is not known, because their stiffness was given as a matrix."
     worst = int(np.nanargmax(whole.stress))
     where = place(float(_radius(whole.positions[whole.start])[worst]))
     most = f"The largest stress in a wire is {size(float(whole.stress[worst]), 'MPa', 3)}, {where} from the axis"
-    if strength is None:
+    if np.isnan(whole.stress_ratio[worst]):
         return f"{most}; whether it yields is not known without `wire.yield_strength`."
     over = int((whole.stress_ratio > 1).sum())
     ratio = percent(float(np.nanmax(whole.stress_ratio)))
+    strength = float(whole.stress[worst] / whole.stress_ratio[worst])
     share = f"{ratio} of the yield strength {size(strength, 'MPa', 3)}"
     if not over:
         return f"{most}: {share}; the wires stay elastic and would spring back."
