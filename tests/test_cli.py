@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 
 from punchform import __version__
+from punchform.case import packaged_text
+from punchform.case.materials import library
 from punchform.cli import main
 from punchform.cli.exits import Exit
 from punchform.cli.talk import Talk, say
@@ -44,8 +46,8 @@ def test_help_imports_nothing_heavy() -> None:
 def test_help_tells_commands_and_exit_codes(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--help"]) == Exit.DONE
     text = capsys.readouterr().out
-    for command in ("form", "element", "new", "check", "schema", "about"):
-        assert f"\n    {command} " in text
+    for command in ("form", "element", "materials", "new", "check", "schema", "about"):
+        assert re.search(rf"\n    {command}\s", text)
     for code in Exit:
         assert f"{code.value:>3}  {code.sentence}" in text
 
@@ -105,6 +107,65 @@ def test_check_counts_the_whole_grid(capsys: pytest.CaptureFixture[str]) -> None
     steps = range(-46, 47)
     whole = sum(np.hypot(i, j) * 7.5 <= 345 * (1 + 1e-9) for i in steps for j in steps)
     assert f"{whole} crossings, a quarter of them solved" in quarter
+
+
+def test_check_tells_where_wires_yield_and_that_nothing_follows_it_yet(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = packaged_text("new").replace("[wire]", '[wire]\nmaterial = "304 annealed"')
+    case = tmp_path / "dish.toml"
+    case.write_text(text, encoding="utf-8")
+    assert main(["check", str(case)]) == Exit.DONE
+    printed = capsys.readouterr()
+    assert "wires yield at 205 MPa and neck at a true strain of 0.43" in printed.out
+    assert "note: wire.hardening: the wires are taken as elastic" in printed.err
+    case.write_text(text.replace("[wire]", '[wire]\nhardening = "none"\nsection = "fibres"'), encoding="utf-8")
+    assert main(["check", str(case)]) == Exit.DONE
+    printed = capsys.readouterr()
+    assert "yield" not in printed.out
+    assert "note: wire.section: fibres have no effect" in printed.err
+
+
+def test_materials_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["materials"]) == Exit.DONE
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].split()[:3] == ["material", "E", "nu"]
+    assert len(lines) == 2 + len(library())
+    assert main(["materials", "--json"]) == Exit.DONE
+    assert [one["name"] for one in json.loads(capsys.readouterr().out)] == list(library())
+
+
+def test_a_material_tells_its_numbers_and_their_source(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    picture = tmp_path / "curve.png"
+    assert main(["materials", "304 annealed", "-o", str(picture)]) == Exit.DONE
+    printed = capsys.readouterr()
+    for words in ("193 GPa", "205 MPa, taken as the stress at which plastic strain begins", "0.2 % proof", "handbooks"):
+        assert words in printed.out
+    assert printed.err == f"drew {picture}\n"
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert main(["materials", "304 annealed", "--json"]) == Exit.DONE
+    content = json.loads(capsys.readouterr().out)
+    assert content["flow_curve"]["rows"][0] == [0.0, 205.0]
+    assert content["law_tensile_strength_MPa"] == pytest.approx(content["tensile_strength_MPa"], rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["304"], "error: there is no material '304'\n  hint: did you mean `304 annealed` or"),
+        (["-o", "all.png"], "error: all.png: a picture is of one material"),
+        (["brass hard", "-o", "curve.txt"], "error: curve.txt: the name of a picture ends in .png"),
+        (["brass hard", "-o", "no/curve.png"], "error: no/curve.png: there is no folder no"),
+    ],
+)
+def test_materials_that_cannot_be_shown(
+    arguments: list[str], told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["materials", *arguments]) == Exit.UNUSABLE_INPUT
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.startswith(told)
 
 
 def test_schema_is_json(capsys: pytest.CaptureFixture[str]) -> None:

@@ -110,6 +110,10 @@ def _run(arguments: argparse.Namespace) -> Exit:
             from punchform.cli.element import element
 
             return element(arguments.case, axes=arguments.axes, as_json=arguments.json, plot=arguments.plot)
+        case "materials":
+            from punchform.cli.materials import materials_command
+
+            return materials_command(arguments.name, as_json=arguments.json, plot=arguments.output)
         case "new":
             from punchform.cli.cases import new
 
@@ -172,6 +176,13 @@ def _parser() -> argparse.ArgumentParser:
     )
     element.add_argument("--json", action="store_true", help="print the matrices and checks as JSON")
     element.add_argument("--plot", metavar="FILE", help="draw the wire and its deflections (png, svg or pdf)")
+
+    materials = commands.add_parser(
+        "materials", help="what wires are made of: all materials, or one with its flow curve"
+    )
+    materials.add_argument("name", metavar="NAME", nargs="?", help="a material, such as '304 annealed'")
+    materials.add_argument("--json", action="store_true", help="print numbers and flow curves as JSON")
+    materials.add_argument("-o", "--output", metavar="FILE", help="draw the flow curve (png, svg or pdf)")
 
     new = commands.add_parser("new", help="write a commented case file to start from")
     new.add_argument("file", metavar="FILE", help="file to write")

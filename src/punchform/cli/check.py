@@ -8,6 +8,7 @@ from punchform.cli.talk import say
 from punchform.errors import InputError
 from punchform.prepare import prepare
 from punchform.shell import prepare_shell
+from punchform.wire import Hardening
 
 
 def check(path: str) -> Exit:
@@ -25,7 +26,15 @@ def check(path: str) -> Exit:
     grid = ready.grid
     part = "a quarter of them solved" if grid.quarter else "all of them solved"
     whole = round(grid.copies * float(grid.node_weight[grid.crossings].sum()))
-    print(f"{path}: usable; {whole} crossings, {part}")
+    print(f"{path}: usable; {whole} crossings, {part}{_yielding(ready.elements[0].hardening)}")
     for note in (*grid.notes, *(f"{doubt.where}: {doubt.message}" for doubt in ready.doubts)):
         say(f"note: {note}")
     return Exit.DONE
+
+
+def _yielding(law: Hardening | None) -> str:
+    """At what stress the wires yield and when they break, as an ending of a sentence; nothing of elastic wires."""
+    if law is None:
+        return ""
+    breaks = "" if law.breaks_at is None else f" and neck at a true strain of {law.breaks_at:.3f}"
+    return f"; wires yield at {law.yield_strength:.4g} MPa{breaks}"

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Literal
 
 from punchform.case import parse, read_text
 from punchform.cli.exits import Exit
+from punchform.cli.pictures import picture_file
 from punchform.cli.talk import say
 from punchform.errors import InputError
 from punchform.wire import Element, describe, plot_element, stiffness
-
-_IMAGES = (".png", ".svg", ".pdf")
 
 
 def element(path: str, *, axes: Literal["element", "paper"], as_json: bool, plot: str | None) -> Exit:
@@ -20,7 +18,7 @@ def element(path: str, *, axes: Literal["element", "paper"], as_json: bool, plot
 
     The JSON has the wire along x at the top and, when the steps differ, the one along y in `second_family`.
     """
-    image = None if plot is None else _image(plot)
+    image = None if plot is None else picture_file(plot, "such as --plot wire.png")
     source = read_text(path)
     case = parse(source)
     try:
@@ -45,14 +43,3 @@ def element(path: str, *, axes: Literal["element", "paper"], as_json: bool, plot
 
 def _distinct(first: Element, second: Element) -> tuple[Element, ...]:
     return (first,) if second is first else (first, second)
-
-
-def _image(plot: str) -> Path:
-    image = Path(plot)
-    if image.suffix.lower() not in _IMAGES:
-        raise InputError.of(
-            "the name of a picture ends in " + ", ".join(_IMAGES), where=plot, hint="such as --plot wire.png"
-        )
-    if not image.parent.is_dir():
-        raise InputError.of(f"there is no folder {image.parent}", where=plot)
-    return image
