@@ -38,6 +38,7 @@ from punchform.case.punch import (
 from punchform.case.reading import CaseText, case_from_text, parse, read_case, read_text
 from punchform.case.release import HoldFrom, HoldNodes, HoldPoints, HoldRing, ReleaseCase, Rib
 from punchform.case.schema import json_schema
+from punchform.case.stages import LoadStage, PressStage, ReleaseStage, Step, TrimCase, TrimStage
 from punchform.case.target import TargetCase
 from punchform.case.whole import Case
 from punchform.case.wire import Centreline, CosineLine, PointsLine, StraightLine, WireCase
@@ -69,6 +70,7 @@ __all__ = [
     "HolderCase",
     "LinearHardening",
     "LoadCase",
+    "LoadStage",
     "ParaboloidProfile",
     "PointForce",
     "PointsLine",
@@ -76,20 +78,25 @@ __all__ = [
     "PolynomialProfile",
     "PowerHardening",
     "PressCase",
+    "PressStage",
     "Profile",
     "PunchCase",
     "RectangleBlank",
     "ReleaseCase",
+    "ReleaseStage",
     "Rib",
     "SingleWire",
     "SolverCase",
     "SphereProfile",
+    "Step",
     "StraightLine",
     "TableHardening",
     "TableProfile",
     "TargetCase",
     "TensileHardening",
     "VoceHardening",
+    "TrimCase",
+    "TrimStage",
     "WindCase",
     "WireCase",
     "WiresBlank",

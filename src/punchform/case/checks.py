@@ -7,6 +7,7 @@ checks that need it are passed over, so that all problems of a file can be told 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from punchform.case.findings import Finding
 from punchform.case.grid import CircleBlank, GridCase, PolygonBlank, RectangleBlank
@@ -22,6 +23,8 @@ from punchform.case.press import PressCase, SolverCase
 from punchform.case.punch import PunchCase
 from punchform.case.release import HoldFrom, ReleaseCase
 from punchform.case.shell_checks import shell_findings
+from punchform.case.stage_checks import stage_findings
+from punchform.case.stages import Stage, Step, steps
 from punchform.case.target import TargetCase
 from punchform.case.wire import PAPER_DIAMETER, StraightLine, WireCase, rise
 from punchform.case.yield_checks import yield_findings
@@ -29,6 +32,7 @@ from punchform.case.yield_checks import yield_findings
 
 def findings(
     *,
+    stages: tuple[Stage, ...] | None = None,
     grid: GridCase | None,
     wire: WireCase | None,
     punch: PunchCase | None,
@@ -54,13 +58,34 @@ def findings(
         yield from _kinematics_knows_crossing(grid, press)
     if grid and release:
         yield from _something_is_held(grid, release)
-    if load:
+    if load and stages is None:
         yield from _load_can_act(load, wire, release)
     if punch and target:
         yield from _aperture_inside_rim(punch, target)
     if wire and press:
         yield from yield_findings(wire, press)
+    if stages is not None:
+        done = tuple(steps(stages, {"press": press, "release": release, "load": load}))
+        yield from stage_findings(done, stages=stages, punch=punch, target=target)
+        yield from _each_stage_can_be(done, grid, wire)
     yield from shell_findings(grid=grid, wire=wire, punch=punch, press=press, release=release, load=load, target=target)
+
+
+def _each_stage_can_be(done: tuple[Step, ...], grid: GridCase | None, wire: WireCase | None) -> Iterator[Finding]:
+    """What the checks of single sections say of stages with settings of their own."""
+    held: ReleaseCase | None = None
+    for step in done:
+        found: list[Finding] = []
+        match step.settings:
+            case PressCase() as press if step.own:
+                found += _press_is_consistent(press)
+                found += _kinematics_knows_crossing(grid, press) if grid else ()
+            case ReleaseCase() as release:
+                held = release
+                found += _something_is_held(grid, release) if step.own and grid else ()
+            case LoadCase() as load if held is not None:
+                found += _load_can_act(load, wire, held)
+        yield from (replace(one, key=step.place(*one.key[1:])) for one in found)
 
 
 def _solved_part(grid: GridCase, press: PressCase | None) -> GridCase:

@@ -20,8 +20,9 @@ from punchform.case.places import key_lines, line_of, repeated
 from punchform.case.press import PressCase, SolverCase
 from punchform.case.punch import PunchCase
 from punchform.case.release import ReleaseCase
+from punchform.case.stages import StagesCase
 from punchform.case.target import TargetCase
-from punchform.case.whole import NO_PUNCH, NO_PUNCH_HINT, SCHEMA, SECTIONS, Case
+from punchform.case.whole import NO_PUNCH, NO_PUNCH_HINT, SCHEMA, SECTIONS, STAGED, Case
 from punchform.case.wire import WireCase
 from punchform.case.wording import UNKNOWN, explain, meant
 from punchform.errors import InputError, Problem
@@ -59,7 +60,7 @@ class CaseText:
         problems = []
         for problem in error.problems:
             path = tuple(int(key) if key.isdecimal() else key for key in _KEY.findall(problem.where))
-            known = bool(path) and path[0] in SECTIONS
+            known = bool(path) and path[0] in ("stages", *SECTIONS)
             where = f"{self.name}:{line_of(lines, path)}: {problem.where}" if known else problem.where
             problems.append(replace(problem, where=where))
         return InputError(problems)
@@ -114,7 +115,8 @@ def parse(source: CaseText) -> Case:
     """The case in a text. Raises InputError with all problems in the order of their lines."""
     document = _document(source)
     problems: list[_Found] = list(_top_level(document))
-    sections: dict[str, Any] = dict.fromkeys(SECTIONS)
+    sections: dict[str, Any] = dict.fromkeys(("stages", *SECTIONS))
+    sections["stages"] = _stages(document, source, problems)
     for name, raw in document.items():
         if name not in _MODELS:
             continue
@@ -126,12 +128,31 @@ def parse(source: CaseText) -> Case:
                 for each in error.errors(include_url=False)
                 if each["type"] != "default_factory_not_called"
             ]
-    problems += [(found.key, found.message, found.hint) for found in findings(**sections)]
+    if any(name in document and sections[name] is None for name in ("stages", *STAGED)):
+        # Of stages that are not all known nothing can be told, nor of what loads act on.
+        known = sections | {"stages": None, "load": sections["load"] if "stages" not in document else None}
+    else:
+        known = sections
+    problems += [(found.key, found.message, found.hint) for found in findings(**known)]
     if problems:
         raise _all(problems, source)
     given = {name: section for name, section in sections.items() if section is not None}
     title = {"title": document["title"]} if "title" in document else {}
     return Case(**title, **given)
+
+
+def _stages(document: Mapping[str, Any], source: CaseText, problems: list[_Found]) -> Any:
+    """The stages of a document, None without any or after adding what is wrong with them to the problems."""
+    if "stages" not in document:
+        return None
+    raw = {"stages": document["stages"]}
+    try:
+        return StagesCase.model_validate(raw, context={"folder": source.folder}).stages
+    except ValidationError as error:
+        for each in error.errors(include_url=False):
+            path, message, hint = explain(each, "", StagesCase, raw)
+            problems.append((path[1:], message, hint))
+        return None
 
 
 def _document(source: CaseText) -> dict[str, Any]:
@@ -192,7 +213,7 @@ def _top_level(document: Mapping[str, Any]) -> list[_Found]:
     press = document.get("press")
     if "punch" not in document and not (isinstance(press, Mapping) and "ends" in press):
         problems.append((("punch",), NO_PUNCH, NO_PUNCH_HINT))
-    known = ("schema", "title", *SECTIONS)
+    known = ("schema", "title", "stages", *SECTIONS)
     problems += [((name,), UNKNOWN, meant(name, known)) for name in document if name not in known]
     return problems
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, Self
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
 from punchform.case.checks import findings
 from punchform.case.grid import GridCase
@@ -13,6 +13,7 @@ from punchform.case.parts import Part
 from punchform.case.press import PressCase, SolverCase
 from punchform.case.punch import PunchCase
 from punchform.case.release import ReleaseCase
+from punchform.case.stages import Stage, Stages, Step, followed, steps
 from punchform.case.target import TargetCase
 from punchform.case.wire import WireCase
 from punchform.errors import InputError, Problem
@@ -39,10 +40,20 @@ class Case(Part):
     release: ReleaseCase | None = Field(default=None, description="what stays held after the press")
     load: LoadCase | None = Field(default=None, description="what acts on the grid after its release")
     target: TargetCase | None = Field(default=None, description="the wanted shape")
+    stages: Stages | None = Field(
+        default=None,
+        description="what is done, one after the other: press, release, trim, load, or tables with settings of their "
+        "own such as { release = { hold = 'rim' } }; press, release and load as there are sections when absent",
+    )
+
+    @field_validator("stages")
+    @classmethod
+    def _follow_their_sections(cls, stages: tuple[Stage, ...] | None, info: ValidationInfo) -> tuple[Stage, ...] | None:
+        return None if stages is None else followed(stages, {name: info.data.get(name) for name in STAGED})
 
     @model_validator(mode="after")
     def _belongs_together(self) -> Self:
-        found = tuple(findings(**{name: getattr(self, name) for name in SECTIONS}))
+        found = tuple(findings(**{name: getattr(self, name) for name in ("stages", *SECTIONS)}))
         if found:
             raise InputError(Problem(one.message, ".".join(map(str, one.key)), one.hint) for one in found)
         if self.punch is None and self.press.ends is None:
@@ -68,6 +79,11 @@ class Case(Part):
         return self.press.model_copy(update={"frame": "chord"})
 
     @property
+    def steps(self) -> tuple[Step, ...]:
+        """What is done to the grid, in order."""
+        return tuple(steps(self.stages, {name: getattr(self, name) for name in STAGED}))
+
+    @property
     def rim_radius(self) -> float | None:
         """Radius of the rim of the punch [mm], None without one."""
         return None if self.punch is None else self.punch.rim_radius
@@ -78,3 +94,5 @@ NO_PUNCH_HINT = "add a table [punch], or say in press.ends where the wire ends g
 
 SECTIONS: tuple[str, ...] = ("grid", "wire", "punch", "press", "solver", "release", "load", "target")
 """The tables of a case file in the order in which they are written."""
+STAGED = ("press", "release", "load")
+"""The sections that a stage may follow."""

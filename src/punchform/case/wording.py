@@ -22,6 +22,7 @@ _ALTERNATIVES = {
     "stiffness": "or 6 rows of 6 numbers",
     "hardening": "or a table such as { kind = 'linear', modulus = '2.5 GPa' }",
     "section": "or a table such as { rings = 4, sectors = 12 }",
+    "stages": "or a table such as { release = { hold = 'rim' } }",
 }
 """What else than a word a key may hold."""
 
@@ -54,7 +55,7 @@ def explain(error: ErrorDetails, section: str, model: type[BaseModel], raw: obje
             )
         case "literal_error":
             choices = list(_words_of(context["expected"]))
-            other = _ALTERNATIVES.get(str(inside[-1])) if "<word>" in error["loc"] else None
+            other = _ALTERNATIVES.get(_key_of(inside)) if "<word>" in error["loc"] else None
             ending = f", {other};" if other else ","
             return path, f"expected {_listed(choices)}{ending} not {as_written(value)}", meant(value, choices)
         case "missing" if isinstance(path[-1], int):
@@ -62,6 +63,11 @@ def explain(error: ErrorDetails, section: str, model: type[BaseModel], raw: obje
         case "tuple_type":
             return path, _plain_words(kind, value, context), _as_pair(value, _field_at(model, error["loc"]))
     return path, _plain_words(kind, value, context), ""
+
+
+def _key_of(path: Path) -> str:
+    """The last key of a path; entries of a list have that of the list."""
+    return next((part for part in reversed(path) if isinstance(part, str)), "")
 
 
 def _own_words(error: object, path: Path) -> tuple[Path, str, str]:
@@ -178,6 +184,8 @@ def _model_at(model: type[BaseModel], location: Iterable[str | int]) -> type[Bas
     """The table that a location leads to; names of union members choose between the tables of a key."""
     candidates = [model]
     for part in location:
+        if isinstance(part, int):
+            continue
         if _is_tag(part):
             candidates = [one for one in candidates if part == f"<{one.__name__}>"] or candidates
         elif len(candidates) > 1:

@@ -19,6 +19,8 @@ def write_case(case: Case) -> str:
     """
     content = case.model_dump(mode="json", by_alias=True, exclude_none=True)
     parts = [f"schema = {content['schema']}\ntitle = {_value(content['title'])}"]
+    if "stages" in content:
+        parts[0] += f"\nstages = {_entry(content['stages'])}"
     for name in SECTIONS:
         if name in content:
             if name == "wire" and "stiffness" in content[name]:
