@@ -10,7 +10,7 @@ from punchform.arrays import Floats, Ints
 from punchform.grid import Grid, undivided
 from punchform.mechanics.footing import normals_of
 from punchform.mechanics.frames import State, lone_tangents
-from punchform.punch import Surface, project
+from punchform.punch import Surface, laid_onto
 
 
 def between(grid: Grid, crossings: State, surface: Surface) -> State:
@@ -25,7 +25,7 @@ def between(grid: Grid, crossings: State, surface: Surface) -> State:
     tangents = np.empty((grid.nodes, 2, 3))
     positions[kept], normals[kept], tangents[kept] = crossings.positions, crossings.normals, crossings.tangents
     for node, family, near, along in _cubics(undivided(grid), grid, kept, crossings):
-        positions[node] = _laid(surface, near)
+        positions[node] = laid_onto(surface, near)
         normals[node] = normals_of(surface.gap(positions[node]))
         tangents[node] = lone_tangents(family, along, normals[node])
     return State(positions, normals, tangents)
@@ -47,11 +47,3 @@ def _cubics(whole: Grid, grid: Grid, kept: Ints, crossings: State) -> Iterator[t
         near = rest**2 * (1 + 2 * s) * x + s**2 * (3 - 2 * s) * y + s * rest * (rest * t - s * u)
         along = 6 * s * rest * (y - x) + rest * (1 - 3 * s) * t + s * (3 * s - 2) * u
         yield node, family, near, outwards * along
-
-
-def _laid(surface: Surface, near: Floats) -> Floats:
-    """The points on the surface below or above those near to it, along its normals; else straight up."""
-    points = project(surface, near, normals_of(surface.gap(near)))
-    lost = ~np.isfinite(points).all(axis=1)
-    points[lost] = np.column_stack((near[lost, :2], surface.height(near[lost, :2])))
-    return points

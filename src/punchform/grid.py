@@ -47,6 +47,7 @@ class Grid:
     pieces (M,): which kind of piece an element is, in the order of the pieces; its family when None.
     on_mirror (N, 2): whether the node lies in the mirror plane x = 0, y = 0; all False on a whole grid.
     notes: what a user should know about how the grid was laid.
+    trimmed: whether a part of it was cut off after it was laid.
     """
 
     step: tuple[float, float]
@@ -64,6 +65,7 @@ class Grid:
     notes: tuple[str, ...] = ()
     subdivide: int = 1
     pieces: Ints | None = None
+    trimmed: bool = False
 
     @property
     def nodes(self) -> int:

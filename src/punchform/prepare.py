@@ -53,7 +53,7 @@ def prepare(case: Case) -> Prepared:
         ),
         problems,
     )
-    doubts += (*_soft(case), *_idle(case), *_not_followed(case))
+    doubts += (*_soft(case), *_idle(case), *_not_followed(case), *_unnamed(case))
     if problems or grid is None or elements is None or punch is None:
         raise InputError(problems)
     return Prepared(grid, elements, punch, doubts)
@@ -87,6 +87,19 @@ def _not_followed(case: Case) -> Iterator[Problem]:
     if case.wire.yields:
         told = "the wires are taken as elastic: how they yield is read and checked, but not followed yet"
         yield Problem(told, "wire.hardening", 'look at the stress ratio, and write wire.hardening = "none"')
+
+
+def _unnamed(case: Case) -> tuple[Problem, ...]:
+    """Sections of stages that are not among those of the case."""
+    if case.stages is None:
+        return ()
+    kinds = {step.kind for step in case.steps}
+    sections = {"release": case.release, "load": case.load}
+    return tuple(
+        Problem(f"[{name}] has no effect: `stages` does not name it", name, f'add "{name}" to `stages`')
+        for name, section in sections.items()
+        if section is not None and name not in kinds
+    )
 
 
 def _target_problems(case: Case) -> tuple[Problem, ...]:

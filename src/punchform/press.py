@@ -36,6 +36,8 @@ from punchform.wire import Element, together
 FOLLOWED = 1e-9
 """The pull has found its direction when no wire end turns by more than this [rad] between two passes."""
 PULL_PASSES = 30
+AT_THE_RIM = 1e-9
+"""A node on the rim, to this relative size, is clamped."""
 ROUGH = 1e-6
 """Relative decrement at which a coarser grid is near enough to start from."""
 
@@ -83,8 +85,9 @@ def press(
     """Press the grid onto the surface: the minimum of its energy among all grids that lie there, Eq. (3.3).
 
     In one stroke, or in several where `case.strokes` or a holder asks for them. start: where the search begins, which
-    is then one stroke; as `case.start` says when it is not given. Raises InputError for settings that contradict each
-    other and NoEquilibrium when the solve ends without an equilibrium.
+    is then one stroke; as `case.start` says when it is not given; a clamp then holds what lies there at or beyond the
+    rim. Raises InputError for settings that contradict each other and NoEquilibrium when the solve ends without an
+    equilibrium.
     """
     solver = solver or SolverCase()
     if case.pull is not None and case.kinematics == "free" and not case.chord:
@@ -94,7 +97,8 @@ def press(
         return _formed(down, elements, surface, case, yield_strength)
     first, doubts = _begin(grid, elements, surface, case, crossing, solver) if start is None else (start, ())
     first = squared(first) if crossing == "welded" else first
-    energy = energy_of(grid, elements, surface, case, crossing=crossing, start=first)
+    held = None if start is None or case.rim != "clamp" else _in_the_clamp(start, surface)
+    energy = energy_of(grid, elements, surface, case, crossing=crossing, start=first, held=held)
     energy, solution = _minimised(energy, first, surface, case, solver, observe)
     if case.method == "newton" and not solution.outcome.usable:
         raise NoEquilibrium(solution.outcome.value)
@@ -193,9 +197,15 @@ def energy_of(
     crossing: str | CrossingSpring = "pinned",
     start: State,
     friction: Friction | None = None,
+    held: Bools | None = None,
 ) -> Energy:
-    """The energy that `press` minimises, Eq. (3.3), without the unknowns of the rigid motions free at the start."""
-    kinematics = _kinematics(grid, surface, case, crossing)
+    """The energy that `press` minimises, Eq. (3.3), without the unknowns of the rigid motions free at the start.
+
+    held (N,): nodes that keep position and frames; those that a clamp holds of the flat grid when it is not given.
+    """
+    if held is None:
+        held = clamped(grid, surface) if case.rim == "clamp" else np.zeros(grid.nodes, dtype=bool)
+    kinematics = _kinematics(grid, surface, case, crossing, held)
     return Energy(
         grid,
         bars_of(elements, case),
@@ -213,9 +223,8 @@ def _rubs(friction: Friction | None) -> bool:
 
 
 def _kinematics(
-    grid: Grid, surface: Surface, case: PressCase, crossing: str | CrossingSpring
+    grid: Grid, surface: Surface, case: PressCase, crossing: str | CrossingSpring, held: Bools
 ) -> FreeFrames | Differences:
-    held = clamped(grid, surface) if case.rim == "clamp" else np.zeros(grid.nodes, dtype=bool)
     if case.kinematics == "free":
         return FreeFrames(grid, surface, held, welded=crossing == "welded")
     if crossing == "welded":
@@ -229,7 +238,19 @@ def _kinematics(
 
 def clamped(grid: Grid, surface: Surface) -> Bools:
     """The nodes that a clamp holds from the rim outwards, (N,)."""
-    return np.asarray(np.linalg.norm(grid.flat, axis=1) >= surface.rim_radius * (1 - 1e-9))
+    return np.asarray(np.linalg.norm(grid.flat, axis=1) >= surface.rim_radius * (1 - AT_THE_RIM))
+
+
+def _in_the_clamp(start: State, surface: Surface) -> Bools:
+    """The nodes that a clamp holds of a grid that was formed before, (N,)."""
+    held = np.asarray(np.linalg.norm(start.positions[:, :2], axis=1) >= surface.rim_radius * (1 - AT_THE_RIM))
+    if not held.any():
+        raise InputError.of(
+            "nothing of the grid lies at or beyond the rim, so nothing can be clamped",
+            where="press.rim",
+            hint='write rim = "draw" for this press, or trim less before it',
+        )
+    return held
 
 
 def _solve(

@@ -18,7 +18,7 @@ from punchform.mechanics.newton import minimise
 from punchform.mechanics.outcome import Outcome, Solution
 from punchform.mechanics.rigid import free_motions
 from punchform.progress import Observer, silent
-from punchform.solved import Solved, bars_of, joined, solved
+from punchform.solved import Shaped, Solved, bars_of, joined, solved
 from punchform.stability import Stability, stability
 from punchform.whole import state_on, unfold_vectors
 from punchform.wire import Element
@@ -39,7 +39,8 @@ FOLDED = 0.8
 class Released(Solved):
     """The grid without the punch.
 
-    moved (N, 3): from the formed positions of the whole grid's nodes [mm]; reactions (N, 3): what holds each node [N];
+    moved (N, 3): of the whole grid's nodes, from where the stage before left them [mm]; reactions (N, 3): what holds
+    each node [N];
     held_nodes: nodes of the solved part that are held in any direction; stability: of the whole grid;
     hold: what was held.
     """
@@ -73,7 +74,7 @@ class Released(Solved):
 
 
 def release(
-    formed: Solved,
+    formed: Shaped,
     elements: tuple[Element, ...],
     case: ReleaseCase,
     press: PressCase,
@@ -86,7 +87,8 @@ def release(
 ) -> Released:
     """Let the formed grid go: the minimum of its energy with only the held nodes where they are, Eq. (7.1).
 
-    full_grid: the same grid laid without mirror planes, on which the release is then solved. Raises InputError for
+    formed: the stage before, which may be a trim, another release or a load too; what is held keeps the place it has
+    there. full_grid: the same grid laid without mirror planes, on which the release is then solved. Raises InputError for
     holds that hold nothing and NoEquilibrium when the solve ends without an equilibrium.
     """
     solver = solver or SolverCase()
@@ -197,7 +199,7 @@ def node_forces(energy: Energy, state: State) -> Floats:
 def _released(
     energy: Energy,
     solution: Solution,
-    formed: Solved,
+    formed: Shaped,
     elements: tuple[Element, ...],
     held: Held,
     found: Stability,

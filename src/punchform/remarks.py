@@ -103,7 +103,7 @@ def _clamped(case: PressCase) -> str:
 
 
 def _drawn_through(grid: Grid, whole: Whole, surface: Surface) -> str:
-    if not np.isfinite(surface.rim_radius):
+    if not np.isfinite(surface.rim_radius) or grid.trimmed:
         return ""
     ends = np.bincount(whole.start, minlength=len(whole.index)) + np.bincount(whole.end, minlength=len(whole.index)) < 4
     ends[whole.crossings :] = False

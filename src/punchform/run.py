@@ -2,27 +2,61 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
-from typing import TypedDict
+from typing import TypedDict, TypeVar
 
 import numpy as np
 
 from punchform.accuracy import Accuracy, measure_case
-from punchform.case import Case, CrossingSpring, SolverCase
+from punchform.case import (
+    Case,
+    CrossingSpring,
+    Kind,
+    LoadCase,
+    PressCase,
+    ReleaseCase,
+    Settings,
+    SolverCase,
+    Step,
+    TrimCase,
+)
+from punchform.errors import InputError, NoEquilibrium
 from punchform.grid import Grid, lay
 from punchform.load import Loaded, load
 from punchform.prepare import Prepared, prepare
 from punchform.press import Formed, press
 from punchform.progress import Observer, silent
 from punchform.release import Released, release
+from punchform.solved import Shaped
+from punchform.start import struck
+from punchform.trim import Trimmed, cut_like, trim
+
+Done = Formed | Released | Trimmed | Loaded
+OneKind = TypeVar("OneKind", Formed, Released, Loaded)
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage of a run: of which kind, the how many-th of its kind, what was asked, and what came of it."""
+
+    kind: Kind
+    number: int
+    settings: Settings
+    done: Done
+
+    @property
+    def name(self) -> str:
+        """Its name, such as "release 2"."""
+        return f"{self.kind} {self.number}"
 
 
 @dataclass(frozen=True)
 class Run:
-    """A case and what became of it: the formed grid, and what the case asks for after that, else None.
+    """A case and what became of it: the last stage of each kind, None where there is none of it, and all in order.
 
-    accuracy is that of the released shape, or of the formed one when there is no release.
+    accuracy is that of the last press or release, whichever came later.
     """
 
     case: Case
@@ -32,15 +66,16 @@ class Run:
     accuracy: Accuracy | None
     notes: tuple[str, ...]
     seconds: float
+    stages: tuple[Stage, ...]
 
     @property
     def final(self) -> Formed | Released:
-        """The last stage before the loads: what leaves the workshop."""
-        return self.formed if self.released is None else self.released
+        """The last press or release: what leaves the workshop."""
+        return _final(self.stages)
 
 
 class _Wires(TypedDict):
-    """What every stage needs beside grid and elements."""
+    """What every solve needs beside grid and elements."""
 
     crossing: str | CrossingSpring
     solver: SolverCase
@@ -49,7 +84,7 @@ class _Wires(TypedDict):
 
 
 def run(case: Case, *, observe: Observer = silent) -> Run:
-    """Form the grid over the punch, let it go, load it, and measure it.
+    """Form the grid over the punch, let it go, load it, and measure it; or go through the stages that the case names.
 
     Raises InputError when the case cannot be pressed, NoEquilibrium when no equilibrium is found.
     """
@@ -59,27 +94,70 @@ def run(case: Case, *, observe: Observer = silent) -> Run:
     # A tensile test says where its wire yields.
     strength = case.wire.yield_strength if hardening is None else hardening.yield_strength
     wires = _Wires(crossing=case.grid.crossing, solver=case.solver, yield_strength=strength, observe=observe)
-    formed = press(ready.grid, ready.elements, ready.punch, case.pressing, **wires)
-    released = loaded = None
-    if case.release is not None:
-        whole_grid = _whole_grid(case, ready)
-        released = release(formed, ready.elements, case.release, case.pressing, full_grid=whole_grid, **wires)
-        if case.load is not None:
-            loaded = load(released, ready.elements, case.load, case.wire, case.pressing, **wires)
-    final = released or formed
+    stages: list[Stage] = []
+    for step in case.steps:
+        number = 1 + sum(stage.kind == step.kind for stage in stages)
+        stages.append(Stage(step.kind, number, step.settings, _done(step, stages, case, ready, wires)))
+    formed = _last(Formed, stages)
+    assert formed is not None, "the first stage is a press"
     accuracy = None
     if case.target is not None:
-        whole = final.whole
+        whole = _final(stages).whole
         # The shape is judged at its crossings, wherever else a wire has nodes.
         crossings = np.where(whole.between[:, None] == 0, whole.positions, np.nan)
         accuracy = measure_case(crossings, whole.cells, case.target, apex_height=ready.punch.height_at_axis)
     notes = tuple(doubt.message for doubt in ready.doubts)
-    return Run(case, formed, released, loaded, accuracy, notes, perf_counter() - begun)
+    return Run(
+        case,
+        formed,
+        _last(Released, stages),
+        _last(Loaded, stages),
+        accuracy,
+        notes,
+        perf_counter() - begun,
+        tuple(stages),
+    )
 
 
-def _whole_grid(case: Case, ready: Prepared) -> Grid | None:
+def _done(step: Step, stages: Sequence[Stage], case: Case, ready: Prepared, wires: _Wires) -> Done:
+    """What one stage makes of the grid as the stages before have left it."""
+    before = stages[-1].done if stages else None
+    try:
+        if isinstance(step.settings, PressCase):
+            grid, start = (ready.grid, None) if before is None else (before.grid, struck(before.state, ready.punch))
+            return press(grid, ready.elements, ready.punch, case.framed(step.settings), start=start, **wires)
+        settings = next(stage.settings for stage in reversed(stages) if isinstance(stage.settings, PressCase))
+        pressed = case.framed(settings)
+        assert before is not None, "the first stage is a press"
+        match step.settings:
+            case ReleaseCase() as how:
+                whole_grid = _whole_grid(case, how, before)
+                return release(before, ready.elements, how, pressed, full_grid=whole_grid, **wires)
+            case TrimCase(radius=radius):
+                edge = ready.punch.rim_radius if radius is None else radius
+                return trim(before, edge, ready.elements, case.wire, crossing=case.grid.crossing)
+            case LoadCase() as what:
+                assert isinstance(before, Released), "loads follow on a release"
+                return load(before, ready.elements, what, case.wire, pressed, **wires)
+    except InputError as error:
+        raise step.placed(error) from None
+    except NoEquilibrium as error:
+        if step.number is None:
+            raise
+        raise NoEquilibrium(f"stages[{step.number}], {step.kind}: {error}") from None
+
+
+def _whole_grid(case: Case, how: ReleaseCase, before: Shaped) -> Grid | None:
     """The grid without mirror planes, when the release shall be free to leave the symmetry."""
-    assert case.release is not None
-    if case.release.symmetry == "as pressed" or not ready.grid.quarter:
+    if how.symmetry == "as pressed" or not before.grid.quarter:
         return None
-    return lay(case.grid.model_copy(update={"symmetry": "full"}), rim_radius=case.tool.rim_radius)
+    laid = lay(case.grid.model_copy(update={"symmetry": "full"}), rim_radius=case.tool.rim_radius)
+    return cut_like(laid, before.whole) if before.grid.trimmed else laid
+
+
+def _final(stages: Sequence[Stage]) -> Formed | Released:
+    return next(stage.done for stage in reversed(stages) if isinstance(stage.done, Formed | Released))
+
+
+def _last(kind: type[OneKind], stages: Sequence[Stage]) -> OneKind | None:
+    return next((stage.done for stage in reversed(stages) if isinstance(stage.done, kind)), None)

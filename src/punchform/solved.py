@@ -17,9 +17,8 @@ from punchform.wire import Element, axial_compliance, stress
 
 
 @dataclass(frozen=True)
-class Solved:
-    """A stage that was solved: what all stages tell. Energies [mJ] are of the whole grid; seconds by what they were
-    spent on.
+class Shaped:
+    """A grid in a shape: what all stages tell. Energies [mJ] are of the whole grid.
 
     energy_kinds: stretch ½ D1 F1, bend ½ (D3 F3 + D5 F5), in_plane ½ (D2 F2 + D6 F6), twist ½ D4 F4, and what the
     crossing springs hold. grid and state are of the solved part, `whole` is the whole grid.
@@ -28,15 +27,8 @@ class Solved:
     grid: Grid
     state: State
     whole: Whole
-    outcome: Outcome
-    history: tuple[Step, ...]
     energy: float
     energy_kinds: dict[str, float]
-    steps: int
-    factorisations: int
-    negative_eigenvalues: int | None
-    linear_solver: str
-    seconds: dict[str, float]
     notes: tuple[str, ...]
 
     @property
@@ -53,6 +45,19 @@ class Solved:
     def max_axial_strain(self) -> float:
         """Largest strain of a wire between two crossings by its pull, Eq. (3.9) [-]."""
         return float(self.whole.axial_strain.max())
+
+
+@dataclass(frozen=True)
+class Solved(Shaped):
+    """A stage that was solved: how that went; seconds by what they were spent on."""
+
+    outcome: Outcome
+    history: tuple[Step, ...]
+    steps: int
+    factorisations: int
+    negative_eigenvalues: int | None
+    linear_solver: str
+    seconds: dict[str, float]
 
 
 def bars_of(elements: tuple[Element, ...], case: PressCase) -> Bars:
@@ -84,7 +89,7 @@ def solved(
 ) -> Solved:
     """The stage that a solution makes, still without notes; contact (N,) as `unfold` takes it."""
     whole = whole_of(energy, solution.state, elements, contact, yield_strength)
-    kinds = _kinds(whole) | {"crossing": energy.grid.copies * energy.springs(solution.state)}
+    kinds = kinds_of(whole) | {"crossing": energy.grid.copies * energy.springs(solution.state)}
     return Solved(
         grid=energy.grid,
         state=solution.state,
@@ -137,7 +142,7 @@ def joined(passes: list[Solution]) -> Solution:
     )
 
 
-def _kinds(whole: Whole) -> dict[str, float]:
+def kinds_of(whole: Whole) -> dict[str, float]:
     """The energy of all elements by what resists, [mJ]; the kinds add up to the energy."""
     each = 0.5 * np.sum(whole.D * whole.F, axis=0)
     return {

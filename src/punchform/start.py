@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from punchform.arrays import Floats
@@ -11,7 +13,7 @@ from punchform.grid import Grid
 from punchform.mechanics.footing import normals_of
 from punchform.mechanics.frames import State, perpendicular
 from punchform.net import start_state
-from punchform.punch import Surface
+from punchform.punch import Surface, laid_onto
 
 VERTICAL = 1e-6
 """How far from upright a wall must be [rad] for a flat wire to show its own way down it."""
@@ -28,6 +30,23 @@ def begin(grid: Grid, surface: Surface, case: PressCase) -> tuple[State, tuple[s
     if not net.net.complete:
         return flat_start(grid, surface), (*net.net.notes, "the press therefore started from the flat grid")
     return State(net.positions, net.normals, net.tangents), ()
+
+
+def struck(state: State, surface: Surface) -> State:
+    """The start of a second press: the grid as it lies, every node moved onto the surface along its normals.
+
+    Raises InputError where the surface has nothing for a node.
+    """
+    positions = laid_onto(surface, state.positions)
+    if not np.isfinite(positions).all():
+        raise InputError.of(
+            "the grid lies where the punch has no surface, so it cannot be pressed again",
+            where="press",
+            hint="hold it better in the release before",
+        )
+    normals = normals_of(surface.gap(positions))
+    tangents = [perpendicular(state.tangents[:, w], normals) for w in range(2)]
+    return replace(state, positions=positions, normals=normals, tangents=np.stack(tangents, axis=1))
 
 
 def flat_start(grid: Grid, surface: Surface) -> State:

@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 from punchform.errors import InputError
 from punchform.export.result import result_json
 from punchform.export.tables import NODE_COLUMNS, WIRE_COLUMNS, write_nodes, write_wires
+from punchform.export.told import released_on, told, with_the_rest
 from punchform.export.vtp import write_vtp
+from punchform.whole import places_in
 
 if TYPE_CHECKING:
     from punchform.run import Run
@@ -170,12 +172,14 @@ def _write_files(run: Run, folder: Path) -> None:
 
     (folder / CASE).write_text(write_case(run.case), encoding="utf-8", newline="\n")
     (folder / RESULT).write_text(result_json(run), encoding="utf-8", newline="\n")
-    released = None if run.released is None else run.released.whole.positions
-    write_nodes(folder / NODES, run.formed, released)
+    write_nodes(folder / NODES, *with_the_rest(run))
     write_wires(folder / WIRES, run.formed)
-    if run.released is not None:
-        write_wires(folder / WIRES_RELEASED, run.released)
-    write_vtp(folder / SHAPE, run.formed, released, run.accuracy)
+    released = told(run).released
+    if released is not None:
+        write_wires(folder / WIRES_RELEASED, released)
+    whole = run.formed.whole
+    judged = None if run.case.stages is None else places_in(run.final.whole.flat, whole.flat)
+    write_vtp(folder / SHAPE, run.formed, released_on(run, whole), run.accuracy, judged)
 
 
 def _put_in_place(aside: Path, target: Path) -> None:

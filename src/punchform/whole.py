@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from punchform.arrays import Bools, Floats, Ints
 from punchform.grid import Grid
 from punchform.mechanics.frames import State
+
+NodeValues = TypeVar("NodeValues", Floats, Bools)
+OF_NODES = ("index", "between", "flat", "positions", "normals", "tangents", "contact")
+"""The arrays of a whole grid that have a row for each node."""
 
 
 @dataclass(frozen=True)
@@ -119,6 +124,30 @@ def unfold_vectors(grid: Grid, vectors: Floats, odd: tuple[bool, bool] = (False,
     space = np.column_stack((signs, np.ones(len(signs), dtype=np.int64)))
     flips = np.where(odd, signs, 1).prod(axis=1)
     return np.asarray(vectors[source] * space * flips[:, None])
+
+
+def spread_over(grid: Grid, values: NodeValues) -> NodeValues:
+    """What is known of the solved nodes (N, ...) and the same for mirror images, of all nodes of the whole grid."""
+    return np.asarray(values[_node_copies(grid)[0]])
+
+
+def part_of(whole: Whole, nodes: Bools) -> Whole:
+    """The kept nodes (N,) of a whole grid with the elements and cells that lose none of theirs."""
+    number = np.where(nodes, np.cumsum(nodes) - 1, -1)
+    elements = nodes[whole.start] & nodes[whole.end]
+    cells = nodes[whole.cells].all(axis=1)
+    kept = {name: getattr(whole, name)[nodes] for name in OF_NODES}
+    kept |= {name: number[getattr(whole, name)[elements]] for name in ("start", "end")}
+    kept |= {"cells": number[whole.cells[cells]], "cell_shear": whole.cell_shear[cells]}
+    others = {name: value[elements] for name, value in vars(whole).items() if name not in kept}
+    return Whole(**kept, **others)
+
+
+def places_in(other: Floats, flat: Floats) -> Ints:
+    """Where each node that is flat at (N, 2 or 3) is among others that are flat at (n, 2 or 3); -1 where it is not."""
+    # Adding 0.0 takes the sign off a zero: images of one place are the same numbers.
+    there = {place: number for number, place in enumerate(map(tuple, (other[:, :2] + 0.0).tolist()))}
+    return np.array([there.get((x, y), -1) for x, y in (flat[:, :2] + 0.0).tolist()], dtype=np.int64)
 
 
 def numbers_in_whole(grid: Grid) -> Ints:

@@ -38,7 +38,7 @@ from punchform.case.punch import (
 from punchform.case.reading import CaseText, case_from_text, parse, read_case, read_text
 from punchform.case.release import HoldFrom, HoldNodes, HoldPoints, HoldRing, ReleaseCase, Rib
 from punchform.case.schema import json_schema
-from punchform.case.stages import LoadStage, PressStage, ReleaseStage, Step, TrimCase, TrimStage
+from punchform.case.stages import Kind, LoadStage, PressStage, ReleaseStage, Settings, Step, TrimCase, TrimStage
 from punchform.case.target import TargetCase
 from punchform.case.whole import Case
 from punchform.case.wire import Centreline, CosineLine, PointsLine, StraightLine, WireCase
@@ -68,6 +68,7 @@ __all__ = [
     "HoldPoints",
     "HoldRing",
     "HolderCase",
+    "Kind",
     "LinearHardening",
     "LoadCase",
     "LoadStage",
@@ -85,6 +86,7 @@ __all__ = [
     "ReleaseCase",
     "ReleaseStage",
     "Rib",
+    "Settings",
     "SingleWire",
     "SolverCase",
     "SphereProfile",

@@ -32,6 +32,24 @@ def key_lines(text: str) -> dict[Path, int]:
     return scanner.lines
 
 
+def dotted(path: Path) -> str:
+    """The path as a person writes it, list entries counted from 0 as in Python.
+
+    >>> dotted(("grid", "step", 1))
+    'grid.step[1]'
+    """
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path).lstrip(".")
+
+
+def undotted(text: str) -> Path:
+    """The path that `dotted` would write so.
+
+    >>> undotted("grid.step[1]")
+    ('grid', 'step', 1)
+    """
+    return tuple(int(key) if key.isdecimal() else key for key in re.findall(r"[^.\[\]]+", text))
+
+
 def line_of(lines: dict[Path, int], path: Path) -> int:
     """The line of a path, or of the nearest table around it; 1 when there is none."""
     for length in range(len(path), 0, -1):

@@ -16,7 +16,7 @@ from punchform.case.grid import GridCase
 from punchform.case.load import LoadCase
 from punchform.case.packaged import PREFIX, packaged_text
 from punchform.case.places import Path as KeyPath
-from punchform.case.places import key_lines, line_of, repeated
+from punchform.case.places import dotted, key_lines, line_of, repeated, undotted
 from punchform.case.press import PressCase, SolverCase
 from punchform.case.punch import PunchCase
 from punchform.case.release import ReleaseCase
@@ -42,7 +42,6 @@ _MODELS: dict[str, type[BaseModel]] = {
     "target": TargetCase,
 }
 _Found = tuple[KeyPath, str, str]
-_KEY = re.compile(r"[^.\[\]]+")
 _NEEDED = ("grid", "wire")
 
 
@@ -59,7 +58,7 @@ class CaseText:
         lines = key_lines(self.text)
         problems = []
         for problem in error.problems:
-            path = tuple(int(key) if key.isdecimal() else key for key in _KEY.findall(problem.where))
+            path = undotted(problem.where)
             known = bool(path) and path[0] in ("stages", *SECTIONS)
             where = f"{self.name}:{line_of(lines, path)}: {problem.where}" if known else problem.where
             problems.append(replace(problem, where=where))
@@ -184,7 +183,7 @@ def _syntax_error(message: str, source: CaseText) -> InputError:
 def _repetition(source: CaseText, path: KeyPath, first: int, again: int) -> InputError:
     return InputError.of(
         f"stands twice, here and on line {first}",
-        where=f"{source.name}:{again}: {_dotted(path)}",
+        where=f"{source.name}:{again}: {dotted(path)}",
         hint="leave out one of them",
     )
 
@@ -222,7 +221,7 @@ def _all(problems: list[_Found], source: CaseText) -> InputError:
     lines = key_lines(source.text)
     in_order = sorted(_refined(problems), key=lambda found: line_of(lines, found[0]))
     return InputError(
-        Problem(message, f"{source.name}:{line_of(lines, path)}: {_dotted(path)}", hint)
+        Problem(message, f"{source.name}:{line_of(lines, path)}: {dotted(path)}", hint)
         for path, message, hint in in_order
     )
 
@@ -244,8 +243,3 @@ def _given_otherwise(path: KeyPath, misspelt: set[tuple[KeyPath, str]]) -> bool:
     """Whether a key beside this one was told that it should have been this one."""
     meanings = (f"did you mean `{path[-1]}`?", f"write {path[-1]} = ")
     return any(beside == path[:-1] and hint.startswith(meanings) for beside, hint in misspelt)
-
-
-def _dotted(path: KeyPath) -> str:
-    """The path as a person writes it, list entries counted from 0 as in Python: grid.step[1]."""
-    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path).lstrip(".")

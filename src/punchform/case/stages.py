@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from punchform.case.load import LoadCase
 from punchform.case.parts import MisfitError, Part, PositiveLength
+from punchform.case.places import dotted, undotted
 from punchform.case.press import PressCase
 from punchform.case.release import ReleaseCase
 from punchform.case.wording import meant
+from punchform.errors import InputError
 
 Kind = Literal["press", "release", "trim", "load"]
 KINDS: tuple[Kind, ...] = ("press", "release", "trim", "load")
@@ -117,6 +119,15 @@ class Step:
         if self.number is None or (self.section and not (key and key[0] in self.own)):
             return (self.kind, *key)
         return ("stages", self.number, self.kind, *key) if self.own else ("stages", self.number)
+
+    def placed(self, error: InputError) -> InputError:
+        """The same error, with keys of the section of this kind where this stage has them."""
+        problems = []
+        for problem in error.problems:
+            path = undotted(problem.where)
+            own = bool(path) and path[0] == self.kind
+            problems.append(replace(problem, where=dotted(self.place(*path[1:]))) if own else problem)
+        return InputError(problems)
 
 
 def steps(stages: tuple[Stage, ...] | None, sections: Mapping[str, Part | None]) -> Iterator[Step]:

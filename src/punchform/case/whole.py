@@ -71,12 +71,11 @@ class Case(Part):
             )
         return self.punch
 
-    @property
-    def pressing(self) -> PressCase:
-        """The press in the frame that the wire asks for: one that yields is read from its chord."""
-        if self.press.frame != "auto" or not self.wire.yields:
-            return self.press
-        return self.press.model_copy(update={"frame": "chord"})
+    def framed(self, press: PressCase) -> PressCase:
+        """The settings of a press with the frame that the wire asks for: one that yields is read from its chord."""
+        if press.frame != "auto" or not self.wire.yields:
+            return press
+        return press.model_copy(update={"frame": "chord"})
 
     @property
     def steps(self) -> tuple[Step, ...]:

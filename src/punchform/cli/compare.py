@@ -70,9 +70,13 @@ def read_predicted(run: str | Path) -> tuple[Case, Predicted]:
     index = np.column_stack((nodes["i"], nodes["j"]))
     flat = np.column_stack((nodes["x0"], nodes["y0"]))
     released = np.column_stack((nodes["xr"], nodes["yr"], nodes["zr"]))
+    formed = np.column_stack((nodes["x"], nodes["y"], nodes["z"]))
+    if case.stages is not None:
+        # What a trim has cut off is in the table, without a place.
+        left = np.isfinite(released if np.isfinite(released).any() else formed).all(axis=1)
+        index, flat, released, formed = index[left], flat[left], released[left], formed[left]
     if np.isfinite(released).all():
         return case, Predicted(index, flat, released, "released")
-    formed = np.column_stack((nodes["x"], nodes["y"], nodes["z"]))
     if not np.isfinite(formed).all():
         raise InputError.of("some nodes of the run have no place", where=str(run), hint="form the case again")
     return case, Predicted(index, flat, formed, "formed")

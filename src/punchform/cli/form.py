@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
 from punchform.case import parse, read_text
 from punchform.cli.exits import Exit
@@ -11,11 +12,15 @@ from punchform.cli.shell import form_gridshell
 from punchform.cli.talk import Talk, say
 from punchform.errors import InputError
 from punchform.export.result import all_notes, largest
+from punchform.export.told import told
 from punchform.press import Formed
 from punchform.report.accuracy_words import judgement
 from punchform.report.page import write_report
 from punchform.run import Run, run
 from punchform.store import RESULT, check_folder, write_run
+
+if TYPE_CHECKING:
+    from punchform.trim import Trimmed
 
 
 def form(path: str, output: str, *, overwrite: bool, quiet: bool, as_json: bool) -> Exit:
@@ -68,16 +73,16 @@ def summary(done: Run, folder: Path) -> str:
 
 def after(done: Run) -> dict[str, str]:
     """The facts of the stages after the press, as far as the case asks for them."""
-    facts = {}
-    if done.released is not None:
-        gone = done.released
+    facts, shown = _stages(done), told(done)
+    if shown.released is not None:
+        gone = shown.released
         i, j = gone.whole.index[gone.lowest]
         facts["released"] = (
             f"{gone.energy:.7g} mJ left; apex {gone.apex:+.3g} mm, lowest {gone.max_sag:+.3g} mm at ({i}, {j}); "
             f"{gone.factorisations} factorisations, {gone.seconds['total']:.2f} s"
         )
-    if done.loaded is not None:
-        facts["loaded"] = f"{done.loaded.load:.4g} N move the shape by {done.loaded.rms_deflection:.3g} mm rms"
+    if shown.loaded is not None:
+        facts["loaded"] = f"{shown.loaded.load:.4g} N move the shape by {shown.loaded.rms_deflection:.3g} mm rms"
     if done.accuracy is not None:
         facts["accuracy"] = judgement(done.accuracy)
     return facts
@@ -90,6 +95,17 @@ def _holder(formed: Formed) -> dict[str, str]:
     return {
         "holder": f"{100 * grip.slipped:.3g} % of its crossings slipped, by up to {grip.largest_slip:.3g} mm; "
         f"{grip.work:.4g} mJ of friction"
+    }
+
+
+def _stages(done: Run) -> dict[str, str]:
+    """All stages by their names, where the case names them, and what was cut off."""
+    if done.case.stages is None:
+        return {}
+    trims = {stage.name: cast("Trimmed", stage.done) for stage in done.stages if stage.kind == "trim"}
+    return {"stages": ", ".join(stage.name for stage in done.stages)} | {
+        name: f"{cut.crossings_cut} crossings beyond {cut.radius:g} mm cut off, {cut.whole.crossings} left"
+        for name, cut in trims.items()
     }
 
 

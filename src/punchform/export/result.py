@@ -5,21 +5,23 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from punchform import __version__
 from punchform.accuracy import plain as accuracy_json
 from punchform.arrays import Floats
+from punchform.export.told import laid, told
 
 if TYPE_CHECKING:
     from punchform.holder import Grip
     from punchform.load import Loaded
     from punchform.press import Formed
     from punchform.release import Released
-    from punchform.run import Run
-    from punchform.solved import Solved
+    from punchform.run import Run, Stage
+    from punchform.solved import Shaped, Solved
+    from punchform.trim import Trimmed
 
 RESULT_SCHEMA = 1
 
@@ -31,22 +33,24 @@ def result_json(run: Run) -> str:
 
 def result(run: Run) -> dict[str, object]:
     """The content of result.json as plain Python values; energies [mJ] are of the whole grid."""
-    whole = run.formed.whole
+    shown, first = told(run), laid(run)
     content: dict[str, object] = {
         "schema": RESULT_SCHEMA,
         "version": __version__,
         "case_title": run.case.title,
         "grid": {
-            "nodes": whole.crossings,
-            "elements": len(whole.family),
-            "solved_nodes": run.formed.solved_nodes,
+            "nodes": first.whole.crossings,
+            "elements": len(first.whole.family),
+            "solved_nodes": first.solved_nodes,
         },
         "formed": _formed(run.formed),
-        "released": None if run.released is None else _released(run.released),
-        "loaded": None if run.loaded is None else _loaded(run.loaded),
+        "released": None if shown.released is None else _released(shown.released),
+        "loaded": None if shown.loaded is None else _loaded(shown.loaded),
         "accuracy": None if run.accuracy is None else accuracy_json(run.accuracy),
         "notes": list(all_notes(run)),
     }
+    if run.case.stages is not None:
+        content["stages"] = [_stage(stage) for stage in run.stages]
     filled = plain(content)
     assert isinstance(filled, dict)
     return filled
@@ -54,7 +58,9 @@ def result(run: Run) -> dict[str, object]:
 
 def all_notes(run: Run) -> tuple[str, ...]:
     """The notes of the run and of its stages, each once, in order."""
-    stages = [stage.notes for stage in (run.formed, run.released, run.loaded) if stage is not None]
+    staged = run.case.stages is not None
+    done = [stage.done for stage in run.stages] if staged else [run.formed, run.released, run.loaded]
+    stages = [stage.notes for stage in done if stage is not None]
     warned = () if run.accuracy is None else run.accuracy.warnings
     return tuple(dict.fromkeys(note for notes in (run.notes, *stages, warned) for note in notes))
 
@@ -63,6 +69,34 @@ def largest(values: Floats) -> float | None:
     """The largest known value, None when all are NaN (or there is none)."""
     known = values[np.isfinite(values)]
     return float(known.max()) if known.size else None
+
+
+def _stage(stage: Stage) -> dict[str, object]:
+    """What result.json tells of one stage of many: all but the history of its solve."""
+    done = stage.done
+    size = {"crossings": done.whole.crossings, "elements": len(done.whole.family)}
+    match stage.kind:
+        case "press":
+            found = _formed(cast("Formed", done))
+        case "release":
+            found = _released(cast("Released", done))
+        case "load":
+            found = _loaded(cast("Loaded", done))
+        case "trim":
+            found = _trimmed(cast("Trimmed", done))
+    found.pop("history", None)
+    return {"name": stage.name, "kind": stage.kind, **size, **found, "notes": list(done.notes)}
+
+
+def _trimmed(trimmed: Trimmed) -> dict[str, object]:
+    return shape_result(trimmed) | {
+        "radius_mm": trimmed.radius,
+        "crossings_cut": trimmed.crossings_cut,
+        "elements_cut": trimmed.pieces_cut,
+        "wires_cut": trimmed.wires_cut,
+        "mass_cut_kg": trimmed.mass_cut,
+        "blank_left_mm": trimmed.blank,
+    }
 
 
 def _formed(formed: Formed) -> dict[str, object]:
@@ -114,8 +148,20 @@ def _loaded(loaded: Loaded) -> dict[str, object]:
     }
 
 
+def shape_result(stage: Shaped) -> dict[str, object]:
+    """What result.json tells of the shape of every stage."""
+    return {
+        "energy_mJ": stage.energy,
+        "max_shear_deg": math.degrees(stage.max_shear),
+        "max_axial_strain": stage.max_axial_strain,
+        "energy_kinds_mJ": stage.energy_kinds,
+        "max_stress_MPa": largest(stage.whole.stress),
+        "max_stress_ratio": largest(stage.whole.stress_ratio),
+    }
+
+
 def stage_result(stage: Solved) -> dict[str, object]:
-    """What result.json tells of every stage."""
+    """What result.json tells of every stage that was solved."""
     return {
         "energy_mJ": stage.energy,
         "outcome": stage.outcome.name.lower(),

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from punchform.accuracy import MEASURES, Accuracy, Aligned
 from punchform.arrays import Floats, Ints
+from punchform.export.told import spread
 
 if TYPE_CHECKING:
     from punchform.solved import Solved
@@ -26,13 +27,20 @@ Array = NDArray[np.float64] | NDArray[np.int64]
 _TYPES = {"float64": "Float64", "int64": "Int64"}
 
 
-def write_vtp(path: Path, formed: Solved, released: Floats | None = None, accuracy: Accuracy | None = None) -> None:
+def write_vtp(
+    path: Path,
+    formed: Solved,
+    released: Floats | None = None,
+    accuracy: Accuracy | None = None,
+    judged: Ints | None = None,
+) -> None:
     """Write the formed grid, and with `released` (N, 3) [mm] also where its nodes are after the release.
 
     Point data: i, j, flat, displacement (formed - flat), normal (of the node frame), contact_force [N], shear [rad]
     (mean of the cells around the node, NaN without a cell), and released, springback (released - formed) when given;
     with `accuracy` deviation_axial, deviation_normal and deviation_half_path in the alignment that is judged, also
     outside the aperture; lengths in mm. Cell data per element: family, axial_force F1 [N], axial_strain, energy [mJ].
+    judged (N,): which of the nodes that the accuracy is told of each one is, -1 for none, when they are not the same.
     Raises OSError.
     """
     whole = formed.whole
@@ -49,7 +57,10 @@ def write_vtp(path: Path, formed: Solved, released: Floats | None = None, accura
         points |= {"released": released, "springback": released - whole.positions}
     if accuracy is not None:
         found = judging(accuracy).deviations
-        points |= {f"deviation_{measure.replace('-', '_')}": found.of(measure) for measure in MEASURES}
+        shown = {measure: found.of(measure) for measure in MEASURES}
+        if judged is not None:
+            shown = {measure: spread(values, judged) for measure, values in shown.items()}
+        points |= {f"deviation_{measure.replace('-', '_')}": values for measure, values in shown.items()}
     wires: dict[str, Array] = {
         "family": whole.family,
         "axial_force": whole.F[:, 0],

@@ -9,7 +9,7 @@ from punchform.punch.domes import dome
 from punchform.punch.fillet import rim_arc
 from punchform.punch.lowered import lowered
 from punchform.punch.meridian import Meridian
-from punchform.punch.project import project
+from punchform.punch.project import laid_onto, project
 from punchform.punch.protocol import Gap, Surface
 from punchform.punch.revolution import Revolution
 from punchform.punch.segments import Line
@@ -24,6 +24,7 @@ __all__ = [
     "Surface",
     "bare",
     "check_sharpness",
+    "laid_onto",
     "lowered",
     "profile_curve",
     "project",

@@ -40,6 +40,15 @@ def project(surface: Surface, points: Floats, directions: Floats) -> Floats:
     return moved
 
 
+def laid_onto(surface: Surface, near: Floats) -> Floats:
+    """The points on the surface below or above those near to it (n, 3), along its normals; else straight up."""
+    gradient = surface.gap(near).gradient
+    points = project(surface, near, gradient / np.linalg.norm(gradient, axis=1)[:, None])
+    lost = ~np.isfinite(points).all(axis=1)
+    points[lost] = np.column_stack((near[lost, :2], surface.height(near[lost, :2])))
+    return points
+
+
 def _closer(
     surface: Surface, here: Floats, along: Floats, value: Floats, slope: Floats, step: Floats
 ) -> tuple[Floats, Floats, Floats]:

@@ -17,6 +17,7 @@ from markupsafe import Markup, escape
 from punchform import __version__
 from punchform.case import write_case
 from punchform.export.result import all_notes, largest
+from punchform.export.told import compared, told
 from punchform.report.accuracy_words import accuracy_lead, advice
 from punchform.report.after import after_sections
 from punchform.report.figures.gallery import gallery
@@ -24,6 +25,7 @@ from punchform.report.figures.style import save
 from punchform.report.release_words import load_words, release_words
 from punchform.report.section import Images, Section, Tables
 from punchform.report.section import Rows as Rows
+from punchform.report.stages import stage_sections
 from punchform.report.words import energy, percent, size, verdict
 
 if TYPE_CHECKING:
@@ -34,6 +36,8 @@ if TYPE_CHECKING:
 PAGE, FIGURES = "report.html", "figures"
 CODE = re.compile("`([^`]+)`")
 LIBRARIES = ("numpy", "scipy", "numba", "matplotlib")
+AFTER = ("accuracy", "released", "loaded")
+"""Sections whose pictures compare the grid in the tool with what is left of it."""
 KINDS = {
     "stretch": "stretching",
     "bend": "bending out of the surface",
@@ -53,23 +57,25 @@ def draw_figures(run: Run, folder: Path) -> Images:
     """Draw every figure of the run into a folder, made if need be; each with the file that shows it."""
     folder.mkdir(parents=True, exist_ok=True)
     drawn = []
-    for picture in gallery(run):
+    shown, left = told(run), compared(run)
+    for picture in gallery(shown):
         path = folder / f"{picture.name}.png"
-        save(picture.draw(run), path)
+        save(picture.draw(left if picture.section in AFTER else shown), path)
         drawn.append((picture, path))
     return tuple(drawn)
 
 
 def page(run: Run, images: Images) -> str:
     """The HTML of the report of a run."""
+    left = compared(run)
     return render(
         run.case,
         subtitle="A flat grid of wires formed over a punch: what punchform expects",
         good=is_good(run),
-        lead=accuracy_lead(run),
-        advice=advice(run),
-        verdict=(*release_words(run), *load_words(run), *press_words(run)),
-        sections=after_sections(run),
+        lead=accuracy_lead(left),
+        advice=advice(left),
+        verdict=(*release_words(left), *load_words(left), *press_words(told(run))),
+        sections=(*stage_sections(run), *after_sections(left)),
         results=(("In the tool", _result_rows(run)), ("Grid and tool", _grid_rows(run))),
         details_title="Energy and solve",
         details=(
@@ -85,8 +91,9 @@ def page(run: Run, images: Images) -> str:
 
 def is_good(run: Run) -> bool:
     """Whether all stages ended in a minimum that the whole grid keeps, within the tolerance."""
-    stages = [stage for stage in (run.formed, run.released, run.loaded) if stage is not None]
-    leaves = run.released is not None and bool(run.released.stability.negative)
+    shown = told(run)
+    stages = [stage for stage in (shown.formed, shown.released, shown.loaded) if stage is not None]
+    leaves = shown.released is not None and bool(shown.released.stability.negative)
     out = run.accuracy is not None and run.accuracy.within is False
     return all(stage.outcome.name == "CONVERGED" for stage in stages) and not leaves and not out
 
