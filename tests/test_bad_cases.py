@@ -30,6 +30,7 @@ fillet = "30 mm"
 rim = "draw"
 """
 
+TITLE = 'title = "dish"'
 STEP = 'step = "7.5 mm"'
 BLANK = 'blank = { shape = "circle", radius = "345 mm" }'
 DIAMETER = 'diameter = "0.75 mm"'
@@ -529,6 +530,83 @@ TABLE: list[tuple[str, str, str, str]] = [
         RIM,
         RIM + "\n[grid.crossing]\nstiffness = 0",
         "20: grid.crossing.stiffness: must be more than 0, not 0",
+        "",
+    ),
+    # stages
+    (TITLE, TITLE + "\nstages = []", "3: stages: needs at least 1 entries, not 0", ""),
+    (TITLE, TITLE + '\nstages = "press"', "3: stages: expected a list in square brackets, not 'press'", ""),
+    (TITLE, TITLE + '\nstage = ["press"]', "3: stage: no such setting", "did you mean `stages`?"),
+    (
+        TITLE,
+        TITLE + '\nstages = ["press",\n"relase"]',
+        "4: stages[1]: expected 'press', 'release', 'trim'",
+        "`release`?",
+    ),
+    (TITLE, TITLE + '\nstages = ["press", 3]', "3: stages[1]: expected 'press', 'release', 'trim' or 'load'", ""),
+    (TITLE, TITLE + '\nstages = ["press", { trm = {} }]', "3: stages[1].trm: no such stage", "did you mean `trim`?"),
+    (TITLE, TITLE + '\nstages = ["press", {}]', "3: stages[1]: each entry is one stage, but this table has 0 keys", ""),
+    (
+        TITLE,
+        TITLE + '\nstages = ["press", { release = {}, trim = {} }]',
+        "3: stages[1]: each entry is one stage, but this table has 2 keys",
+        "one after the other",
+    ),
+    (TITLE, TITLE + '\nstages = ["trim"]', "3: stages[0]: the first stage is the press, not 'trim'", "formed first"),
+    (
+        TITLE,
+        TITLE + '\nstages = [\n"press",\n"press"]',
+        "5: stages[1]: 'press' cannot follow 'press'",
+        "put a 'release' between",
+    ),
+    (TITLE, TITLE + '\nstages = ["press", "trim", "trim"]', "3: stages[2]: 'trim' cannot follow 'trim'", "'release'"),
+    (
+        TITLE,
+        TITLE + '\nstages = ["press", { load = { pressure = 1 } }]',
+        "3: stages[1]: 'load' cannot follow 'press': loads act on a grid that was just let go",
+        "put a 'release' between",
+    ),
+    (
+        TITLE,
+        TITLE + '\nstages = ["press", "release", "release"]',
+        "3: stages[2]: the stage before has let the grid go with the same hold",
+        "leave it out",
+    ),
+    (
+        TITLE,
+        TITLE + '\nstages = ["press", { release = { hold = "rim" } }, "load"]',
+        "3: stages[2]: 'load' needs a section [load]",
+        "gravity",
+    ),
+    (
+        TITLE,
+        TITLE + '\nstages = ["press", "release", { load = { pressure = 1 } }]',
+        "3: stages[2].load: nothing holds the grid",
+        "",
+    ),
+    (
+        TITLE,
+        TITLE + '\nstages = ["press", { release = { hold = "rim" } },\n{ load = { gravity = [0, 0, 1] } }]',
+        "4: stages[2].load.gravity: the weight of the wire is not known",
+        "",
+    ),
+    (TITLE, TITLE + '\nstages = ["press", { trim = { radius = 0 } }]', "3: stages[1].trim.radius: must be more", ""),
+    (
+        TITLE,
+        TITLE + '\nstages = ["press", { trim = { diameter = "600 mm" } }]',
+        "3: stages[1].trim.diameter: no such setting",
+        "half the diameter",
+    ),
+    (TITLE, TITLE + '\nstages = ["press", { trim = 3 }]', "3: stages[1].trim: expected a table with settings", ""),
+    (
+        TITLE,
+        TITLE + "\nstages = ['press', { release = { hold = { from_radius = 400 } } }]",
+        "3: stages[1].release.hold.from_radius: no node lies beyond 400 mm",
+        "",
+    ),
+    (
+        TITLE,
+        TITLE + "\nstages = ['press', 'trim', { press = { pull = [1, 1], rim = 'clamp' } }]",
+        "3: stages[2].press.pull: a clamped rim lets no wire end move",
         "",
     ),
     # files named in the case

@@ -242,7 +242,7 @@ def clamped(grid: Grid, surface: Surface) -> Bools:
 
 
 def _in_the_clamp(start: State, surface: Surface) -> Bools:
-    """The nodes that a clamp holds of a grid that was formed before, (N,)."""
+    """The nodes that a clamp holds of a grid that was formed before, (N,), Eq. (7.10)."""
     held = np.asarray(np.linalg.norm(start.positions[:, :2], axis=1) >= surface.rim_radius * (1 - AT_THE_RIM))
     if not held.any():
         raise InputError.of(

@@ -88,8 +88,8 @@ def release(
     """Let the formed grid go: the minimum of its energy with only the held nodes where they are, Eq. (7.1).
 
     formed: the stage before, which may be a trim, another release or a load too; what is held keeps the place it has
-    there. full_grid: the same grid laid without mirror planes, on which the release is then solved. Raises InputError for
-    holds that hold nothing and NoEquilibrium when the solve ends without an equilibrium.
+    there. full_grid: the same grid laid without mirror planes, on which the release is then solved. Raises InputError
+    for holds that hold nothing and NoEquilibrium when the solve ends without an equilibrium.
     """
     solver = solver or SolverCase()
     grid, state = (formed.grid, formed.state) if full_grid is None else (full_grid, state_on(full_grid, formed.whole))

@@ -144,7 +144,9 @@ def _done(step: Step, stages: Sequence[Stage], case: Case, ready: Prepared, wire
     except NoEquilibrium as error:
         if step.number is None:
             raise
-        raise NoEquilibrium(f"stages[{step.number}], {step.kind}: {error}") from None
+        raise NoEquilibrium(
+            f"stages[{step.number}], {step.kind}: {str(error).removeprefix(f'{step.kind}: ')}"
+        ) from None
 
 
 def _whole_grid(case: Case, how: ReleaseCase, before: Shaped) -> Grid | None:

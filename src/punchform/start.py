@@ -33,7 +33,8 @@ def begin(grid: Grid, surface: Surface, case: PressCase) -> tuple[State, tuple[s
 
 
 def struck(state: State, surface: Surface) -> State:
-    """The start of a second press: the grid as it lies, every node moved onto the surface along its normals.
+    """The start of a second press: the grid as it lies, every node moved onto the surface along its
+    normals, Eq. (7.10).
 
     Raises InputError where the surface has nothing for a node.
     """

@@ -1,4 +1,4 @@
-"""The trim: what lies beyond a radius is cut off, and a smaller grid is left as it lies, Eqs. (7.8) and (7.9).
+"""The trim: what lies beyond a radius is cut off, and a smaller grid is left as it lies, Eq. (7.9).
 
 Nothing is solved: the forces of the wires that were cut are missing at the new edge, and only the next stage finds the
 equilibrium of what is left.
@@ -52,7 +52,7 @@ def trim(
     *,
     crossing: str | CrossingSpring = "pinned",
 ) -> Trimmed:
-    """Cut off what lies beyond a radius in plan, Eq. (7.8), as a stage has left it.
+    """Cut off what lies beyond a radius in plan, Eq. (7.9), as a stage has left it.
 
     elements: one for each kind of piece. Raises InputError when hardly anything is left.
     """

@@ -88,7 +88,7 @@ class PressCase(Part):
 
     @property
     def chord(self) -> bool:
-        """Whether deformations are read from the chord, as far as the press says; `Case.pressing` asks the wire too."""
+        """Whether deformations are read from the chord, as far as the press says; `Case.framed` asks the wire too."""
         far = self.rim == "clamp" or self.ends is not None or self.hold is not None
         return self.frame == "chord" or (self.frame == "auto" and far)
 
