@@ -18,7 +18,8 @@ from punchform.case import (
     WireCase,
 )
 from punchform.grid import Grid, lay
-from punchform.mechanics.assembly import Bars, Energy, Loads
+from punchform.mechanics.assembly import Energy
+from punchform.mechanics.bars import Bars, Loads
 from punchform.mechanics.differences import Differences
 from punchform.mechanics.frames import State
 from punchform.mechanics.friction import Friction

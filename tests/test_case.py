@@ -153,7 +153,11 @@ def test_a_wire_that_yields_is_read_from_its_chord() -> None:
     elastic = case_from_text(SHORT)
     wire = elastic.wire.model_copy(update={"hardening": "perfect", "yield_strength": 300})
     case = elastic.model_copy(update={"wire": wire})
-    assert (elastic.framed(elastic.press).chord, case.framed(case.press).chord, case.press.frame) == (False, True, "auto")
+    assert (elastic.framed(elastic.press).chord, case.framed(case.press).chord, case.press.frame) == (
+        False,
+        True,
+        "auto",
+    )
     assert elastic.framed(elastic.press) is elastic.press
 
 

@@ -43,7 +43,8 @@ from punchform.case import (
 from punchform.errors import InputError, NoEquilibrium
 from punchform.grid import Grid, lay
 from punchform.holder import SLACK, TRAIL, Holder, holder
-from punchform.mechanics.assembly import Energy, Loads
+from punchform.mechanics.assembly import Energy
+from punchform.mechanics.bars import Loads
 from punchform.mechanics.frames import State
 from punchform.mechanics.friction import Friction
 from punchform.mechanics.kinematics import FreeFrames

@@ -215,7 +215,9 @@ def _whole(grid: Grid, start: NetStart) -> Whole:
         energy=modes[:, 0],
         contact=np.full(grid.nodes, np.nan),
         stress=modes[:, 0],
-        axial_compliance=np.full(2, np.nan),
+        axial_strain=modes[:, 0],
+        stretch=modes[:, 0],
+        plastic_strain=modes[:, 0],
         yield_strength=None,
     )
 

@@ -10,7 +10,8 @@ from punchform.arrays import Floats
 from punchform.case import CrossingSpring, LoadCase, PressCase, SolverCase, WireCase
 from punchform.errors import NoEquilibrium
 from punchform.forces import forces, wire_mass
-from punchform.mechanics.assembly import Energy, Hessian, Loads
+from punchform.mechanics.assembly import Energy, Hessian
+from punchform.mechanics.bars import Loads
 from punchform.mechanics.kinematics import FreeFrames, spread
 from punchform.mechanics.linear import SingularMatrix, solver_for
 from punchform.mechanics.newton import minimise
@@ -87,6 +88,7 @@ def load(
     )
     if not solution.outcome.usable:
         raise NoEquilibrium(f"load: {solution.outcome.value}")
+    solution = replace(solution, state=energy.settled(solution.state))
     done = solved(energy, solution, elements, np.zeros(grid.nodes), yield_strength)
     held = released.hold.held[:, None] | released.hold.fixed
     applied = unfold_vectors(grid, dead / grid.node_weight[:, None])

@@ -53,7 +53,7 @@ def prepare(case: Case) -> Prepared:
         ),
         problems,
     )
-    doubts += (*_soft(case), *_idle(case), *_not_followed(case), *_unnamed(case))
+    doubts += (*_soft(case), *_idle(case), *_unnamed(case))
     if problems or grid is None or elements is None or punch is None:
         raise InputError(problems)
     return Prepared(grid, elements, punch, doubts)
@@ -80,13 +80,6 @@ def _idle(case: Case) -> Iterator[Problem]:
     if case.wire.fibres is not None and not case.wire.yields:
         told = "fibres have no effect: the wire has no hardening, so that it does not yield"
         yield Problem(told, "wire.section", "give wire.hardening, or leave `section` out")
-
-
-def _not_followed(case: Case) -> Iterator[Problem]:
-    """How a wire yields is known before the mechanics follows it."""
-    if case.wire.yields:
-        told = "the wires are taken as elastic: how they yield is read and checked, but not followed yet"
-        yield Problem(told, "wire.hardening", 'look at the stress ratio, and write wire.hardening = "none"')
 
 
 def _unnamed(case: Case) -> tuple[Problem, ...]:

@@ -13,7 +13,8 @@ from punchform.coarse import coarsened, doubled, refined
 from punchform.errors import InputError, NoEquilibrium
 from punchform.grid import Grid, undivided
 from punchform.holder import Grip, holder
-from punchform.mechanics.assembly import Clock, Energy, Loads
+from punchform.mechanics.assembly import Clock, Energy
+from punchform.mechanics.bars import Loads
 from punchform.mechanics.compiled import compile_kernels, kernels_are_compiled
 from punchform.mechanics.descent import descend
 from punchform.mechanics.differences import Differences
@@ -92,7 +93,8 @@ def press(
     solver = solver or SolverCase()
     if case.pull is not None and case.kinematics == "free" and not case.chord:
         _demand_moderate(case.pull, elements)
-    if start is None and (case.hold is not None or strokes_of(case) > 1):
+    yields = elements[0].hardening is not None
+    if start is None and (case.hold is not None or strokes_of(case, yields=yields) > 1):
         down = _in_strokes(grid, elements, surface, case, crossing, solver, observe)
         return _formed(down, elements, surface, case, yield_strength)
     first, doubts = _begin(grid, elements, surface, case, crossing, solver) if start is None else (start, ())
@@ -102,6 +104,7 @@ def press(
     energy, solution = _minimised(energy, first, surface, case, solver, observe)
     if case.method == "newton" and not solution.outcome.usable:
         raise NoEquilibrium(solution.outcome.value)
+    solution = replace(solution, state=energy.settled(solution.state))
     formed = _formed(Descent(energy, solution, (), None), elements, surface, case, yield_strength)
     return replace(formed, notes=formed.notes + doubts)
 
@@ -131,7 +134,8 @@ def _in_strokes(
         return _minimised(energy, start, task.tool, case, solver, observe, stage=f"press, {task.share:.0%} down")
 
     holding = None if case.hold is None else holder(grid, surface.rim_radius, case.hold)
-    return go_down(grid, surface, strokes_of(case), form, held=held, holder=holding)
+    count = strokes_of(case, yields=elements[0].hardening is not None)
+    return go_down(grid, surface, count, form, held=held, holder=holding)
 
 
 def _minimised(

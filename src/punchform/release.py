@@ -11,7 +11,8 @@ from punchform.case import CrossingSpring, PressCase, ReleaseCase, SolverCase
 from punchform.errors import NoEquilibrium
 from punchform.grid import Grid
 from punchform.holds import Held, holds
-from punchform.mechanics.assembly import Energy, Loads
+from punchform.mechanics.assembly import Energy
+from punchform.mechanics.bars import Loads
 from punchform.mechanics.frames import State, crossing_angle
 from punchform.mechanics.kinematics import FreeFrames
 from punchform.mechanics.newton import minimise
@@ -96,7 +97,8 @@ def release(
     held = holds(grid, state.positions, case)
     start = replace(state, positions=held.positions)
     energy = free_energy(grid, elements, press, held, start, crossing=crossing)
-    if held.count == 0:
+    yields = energy.bars.yielding is not None
+    if held.count == 0 and not yields:
         return _released(energy, _flat(grid), formed, elements, held, Stability(0, None), yield_strength)
     solution = _let_go(energy, start, state, solver, observe)
     if not solution.outcome.usable:
@@ -107,6 +109,7 @@ def release(
         solution = replace(solution, outcome=Outcome.CONVERGED, negative_eigenvalues=0)
         found = Stability(0, None)
     else:
+        solution = replace(solution, state=energy.settled(solution.state))
         found = stability(energy, solution.state, linear=solver.linear, negative=solution.negative_eigenvalues)
     return _released(energy, solution, formed, elements, held, found, yield_strength)
 
@@ -143,16 +146,20 @@ def _flat(grid: Grid) -> Solution:
 def _let_go(energy: Energy, start: State, formed: State, solver: SolverCase, observe: Observer) -> Solution:
     """First with wires that stretch easily, which finds the large motion; then with the real ones, Eq. (7.4).
 
-    Where that fails the forces of the tool are taken away bit by bit.
+    Wires that yield are let go at once: what has flowed keeps their motion small. Where that fails the forces of the
+    tool are taken away bit by bit.
     """
     begun = energy.at(start)
-    soft = _minimised(softened(energy), start, solver, observe, tolerance=max(ROUGH, solver.tolerance), begun=begun)
-    if soft.outcome is not Outcome.SINGULAR:
-        real = _minimised(energy, soft.state, solver, observe, tolerance=solver.tolerance, begun=begun)
+    passes, state = [], start
+    if energy.bars.yielding is None:
+        rough = max(ROUGH, solver.tolerance)
+        passes.append(_minimised(softened(energy), start, solver, observe, tolerance=rough, begun=begun))
+        state = passes[-1].state
+    if not passes or passes[-1].outcome is not Outcome.SINGULAR:
+        real = _minimised(energy, state, solver, observe, tolerance=solver.tolerance, begun=begun)
         if real.outcome.usable:
-            return joined([soft, real])
-    tool = node_forces(energy, formed)
-    passes, state = [soft], start
+            return joined([*passes, real])
+    tool, state = node_forces(energy, formed), start
     for share in SHARES:
         left = replace(energy, loads=Loads(share * tool, start.positions)) if share else energy
         passes.append(_minimised(left, state, solver, observe, tolerance=solver.tolerance, begun=begun))
@@ -209,7 +216,7 @@ def _released(
     done = solved(energy, solution, elements, np.zeros(grid.nodes), yield_strength)
     forces = np.where(held.held[:, None] | held.fixed, node_forces(energy, solution.state), 0.0)
     reactions = unfold_vectors(grid, forces / grid.node_weight[:, None])
-    told = _remarks(grid, done, held, found)
+    told = _remarks(grid, done, held, found, yields=energy.bars.yielding is not None)
     return Released(
         **{**vars(done), "notes": told},
         moved=done.whole.positions - formed.whole.positions,
@@ -219,7 +226,7 @@ def _released(
     )
 
 
-def _remarks(grid: Grid, done: Solved, held: Held, found: Stability) -> tuple[str, ...]:
+def _remarks(grid: Grid, done: Solved, held: Held, found: Stability, *, yields: bool) -> tuple[str, ...]:
     """What a user should know about a released grid."""
     notes = []
     if grid.quarter and found.negative and not done.negative_eigenvalues:
@@ -229,7 +236,7 @@ def _remarks(grid: Grid, done: Solved, held: Held, found: Stability) -> tuple[st
         )
     if done.outcome is Outcome.SADDLE:
         notes.append("the released grid rests on a saddle: the least disturbance moves it along the mode shown")
-    if held.count == 0:
+    if held.count == 0 and not yields:
         notes.append("elastic wires that nothing holds spring back to the flat grid: only what yields or is held stays")
     lean = np.abs(crossing_angle(done.state) - 0.5 * np.pi).max(initial=0.0)
     if lean > 0.5 * np.pi * FOLDED:

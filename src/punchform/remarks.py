@@ -14,6 +14,10 @@ from punchform.wire import Element
 
 LARGEST_ANGLE = 0.2
 """Beyond this angle [rad] between a wire and its chord Eq. (3.2), which is linear in it, is too soft."""
+NEAR_BREAKING = 0.8
+"""Part of the strain at which a wire breaks, beyond which it is said that little is left."""
+MUCH = 0.01
+"""A true strain beyond which a wire may break, whatever it is made of."""
 CENTRED = 0.02
 """A grid that has slid by less than this fraction of a step counts as centred."""
 
@@ -26,8 +30,7 @@ def remarks(
         "" if case.chord else _steep(whole, elements),
         _overpulled(whole, elements) if case.kinematics == "free" and not case.chord else "",
         _locked(grid, whole, elements),
-        _yielding(whole),
-        _clamped(case),
+        *(_flowing(whole, elements) if elements[0].hardening else (_yielding(whole), _clamped(case))),
         _drawn_through(grid, whole, surface),
         _off_centre(whole, surface, grid.step),
         *grid.notes,
@@ -91,6 +94,30 @@ def _yielding(whole: Whole) -> str:
         f"{over.sum()} wire pieces are stressed beyond the yield strength, up to {np.nanmax(whole.stress_ratio):.3g} "
         "times: real wires stay bent there, and their forces are smaller than those of these elastic ones"
     )
+
+
+def _flowing(whole: Whole, elements: tuple[Element, ...]) -> tuple[str, ...]:
+    """Wires that are stretched to where they break, Eq. (12.34)."""
+    hardening = elements[0].hardening
+    assert hardening is not None
+    strain = float(np.log1p(whole.axial_strain.max()))
+    if hardening.breaks_at is not None and strain > hardening.breaks_at:
+        over = int((np.log1p(whole.axial_strain) > hardening.breaks_at).sum())
+        return (
+            f"{over} wire pieces are stretched to a true strain of up to {strain:.3g}; from {hardening.breaks_at:.3g} "
+            "on they neck and break: take a softer wire, a shallower punch, or let the rim draw in",
+        )
+    if hardening.breaks_at is not None and strain > NEAR_BREAKING * hardening.breaks_at:
+        return (
+            f"wires are stretched to a true strain of up to {strain:.3g}, of the {hardening.breaks_at:.3g} at which "
+            "they neck and break: little is left for scatter of the wire",
+        )
+    if hardening.breaks_at is None and strain > MUCH:
+        return (
+            f"wires are stretched to a true strain of up to {strain:.3g}; this hardening law does not say where they "
+            "break: compare it with the uniform elongation of the wire",
+        )
+    return ()
 
 
 def _clamped(case: PressCase) -> str:

@@ -9,11 +9,14 @@ import numpy as np
 from punchform.arrays import Floats
 from punchform.case import PressCase
 from punchform.grid import Grid
-from punchform.mechanics.assembly import Bars, Energy
+from punchform.mechanics.assembly import Energy
+from punchform.mechanics.bars import Bars
+from punchform.mechanics.fibres import round_points
 from punchform.mechanics.frames import State
+from punchform.mechanics.history import Yielding
 from punchform.mechanics.outcome import Outcome, Solution, Step
 from punchform.whole import Whole, unfold
-from punchform.wire import Element, axial_compliance, stress
+from punchform.wire import Element, axial_compliance, stations, stress
 
 
 @dataclass(frozen=True)
@@ -43,8 +46,23 @@ class Shaped:
 
     @property
     def max_axial_strain(self) -> float:
-        """Largest strain of a wire between two crossings by its pull, Eq. (3.9) [-]."""
+        """Largest strain of a wire between two crossings by its pull, Eq. (3.9), what has flowed included [-]."""
         return float(self.whole.axial_strain.max())
+
+    @property
+    def max_plastic_strain(self) -> float:
+        """Largest equivalent plastic strain in a section of a wire [-]."""
+        return float(self.whole.plastic_strain.max())
+
+    @property
+    def max_thinning(self) -> float:
+        """Largest part of its diameter that a wire has lost by being stretched for good [-]."""
+        return float(1 - 1 / np.sqrt(self.whole.stretch.max()))
+
+    @property
+    def yielded(self) -> float:
+        """Share of the wire pieces in which something has flowed."""
+        return float((self.whole.plastic_strain > 0).mean())
 
 
 @dataclass(frozen=True)
@@ -72,6 +90,31 @@ def bars_of(elements: tuple[Element, ...], case: PressCase) -> Bars:
         length=np.array([element.length for element in elements]),
         rise=np.array([_rise(element) for element in elements]),
         chord=case.chord,
+        yielding=_yielding(elements),
+    )
+
+
+def _yielding(elements: tuple[Element, ...]) -> Yielding | None:
+    """What wires need to know that yield; None for elastic ones."""
+    first = elements[0]
+    if first.hardening is None:
+        return None
+    assert first.section is not None, "a wire that yields has a known section"
+    at = [stations(element) for element in elements]
+    section = first.section
+    return Yielding(
+        H=np.stack([one.H for one in at]),
+        lever=np.stack([one.lever for one in at]),
+        weight=np.stack([one.weight for one in at]),
+        curving=at[0].curving,
+        string=at[0].string,
+        C=np.stack([element.C for element in elements]),
+        height=np.array([_rise(element) for element in elements]),
+        length=np.array([element.length for element in elements]),
+        curve=first.hardening.curve,
+        kinematic=first.hardening.kinematic,
+        wire=np.array([section.youngs_modulus, section.shear_modulus, section.diameter]),
+        points=np.empty((0, 3)) if first.fibres is None else round_points(*first.fibres),
     )
 
 
@@ -113,9 +156,11 @@ def whole_of(
     """The whole grid in a state of its solved part."""
     grid = energy.grid
     D, F, energies = energy.elastic(state)
+    flowed = energy.flowed(state, F)
     largest = np.empty(grid.elements)
     for kind, element in enumerate(elements):
         largest[grid.kind == kind] = stress(element, F[grid.kind == kind])
+    compliance = np.array([axial_compliance(element) for element in elements])
     return unfold(
         grid,
         state,
@@ -123,8 +168,10 @@ def whole_of(
         F=F,
         energy=energies,
         contact=contact,
-        stress=largest,
-        axial_compliance=np.array([axial_compliance(element) for element in elements]),
+        stress=largest if flowed is None else flowed.stress,
+        axial_strain=F[:, 0] * compliance[grid.kind] if flowed is None else flowed.elongation,
+        stretch=np.ones(grid.elements) if flowed is None else flowed.stretch,
+        plastic_strain=np.zeros(grid.elements) if flowed is None else flowed.plastic_strain,
         yield_strength=yield_strength,
     )
 

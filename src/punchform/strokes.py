@@ -78,20 +78,21 @@ class Task:
 
 Form = Callable[[Task], tuple[Energy, Solution]]
 """Carries out a task; raises NoEquilibrium or returns a solution that is not usable where it fails."""
+
 Settle = Callable[[Energy, State], State]
 """What a grid remembers of an accepted stroke: the state with which the next begins."""
 
 
-def strokes_of(case: PressCase) -> int:
+def strokes_of(case: PressCase, *, yields: bool = False) -> int:
     """In how many strokes a case is pressed: one unless it matters what happens on the way."""
     if case.strokes is not None:
         return case.strokes
-    return 1 if case.hold is None else USUAL
+    return USUAL if yields or case.hold is not None else 1
 
 
-def remembers_nothing(energy: Energy, state: State) -> State:
-    """How elastic wires settle."""
-    return state
+def remembered(energy: Energy, state: State) -> State:
+    """What wires that yield remember; elastic ones nothing."""
+    return energy.settled(state)
 
 
 def go_down(
@@ -102,7 +103,7 @@ def go_down(
     *,
     held: Bools,
     holder: Holder | None = None,
-    settle: Settle = remembers_nothing,
+    settle: Settle = remembered,
 ) -> Descent:
     """Press the grid in `count` strokes; one that fails is halved, down to a sixteenth.
 

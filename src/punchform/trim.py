@@ -124,9 +124,14 @@ def cut(grid: Grid, nodes: Bools, elements: Bools) -> Grid:
 
 
 def left_of(state: State, nodes: Bools, elements: Bools) -> State:
-    """The state of the kept nodes (N,) and elements (M,): places and frames are those of nodes."""
+    """The state of the kept nodes (N,) and elements (M,): places and frames are of nodes, what wires remember of
+    elements."""
     return replace(
-        state, positions=state.positions[nodes], normals=state.normals[nodes], tangents=state.tangents[nodes]
+        state,
+        positions=state.positions[nodes],
+        normals=state.normals[nodes],
+        tangents=state.tangents[nodes],
+        history=None if state.history is None else state.history.of(np.flatnonzero(elements)),
     )
 
 

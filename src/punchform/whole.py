@@ -27,8 +27,10 @@ class Whole:
     family (M,): 1 along x, 2 along y; kind (M,): of piece, as `Grid.kind`; start, end (M,): node numbers of O and B;
     sigma (M,): weave sign;
     D, F (M, 6): modes and end forces in element axes, Eq. (3.2), P(3) [mm, rad; N, N mm]; energy (M,) [mJ];
-    axial_strain (M,): of the pull F1 alone, Eq. (3.9); stress (M,): largest von Mises stress [MPa], NaN when the
-    section is not known; stress_ratio (M,): stress over yield strength, NaN when that is not given.
+    axial_strain (M,): of the pull F1 alone, Eq. (3.9), for a wire that yields by how much it is longer than when it was
+    new; stretch (M,): length of the unloaded wire over that of the new one; plastic_strain (M,): largest equivalent one
+    of its sections; stress (M,): largest von Mises stress [MPa], that of Eq. (12.4) for a wire that yields, NaN when
+    the section is not known; stress_ratio (M,): stress over yield strength, NaN when that is not given.
     cells (K, 4): corners counter-clockwise; cell_shear (K,): how far the mid-lines are from square [rad], positive
     where the angle between +x and +y wires has become smaller.
     """
@@ -49,6 +51,8 @@ class Whole:
     F: Floats
     energy: Floats
     axial_strain: Floats
+    stretch: Floats
+    plastic_strain: Floats
     stress: Floats
     stress_ratio: Floats
     cells: Ints
@@ -69,11 +73,13 @@ def unfold(
     energy: Floats,
     contact: Floats,
     stress: Floats,
-    axial_compliance: Floats,
+    axial_strain: Floats,
+    stretch: Floats,
+    plastic_strain: Floats,
     yield_strength: float | None,
 ) -> Whole:
-    """The whole grid from its solved part. D, F (M, 6), energy, stress (M,) and contact (N,) are of that part;
-    axial_compliance (P,): strain per pull of each kind of piece, Eq. (3.9) [1/N].
+    """The whole grid from its solved part, of which are D, F (M, 6), energy, stress, strains, stretch (M,) and
+    contact (N,).
 
     A mirrored wire turns the other way: D2, D4, D6 (sideways, twist, sideways bending) change sign with every mirror.
     """
@@ -103,7 +109,9 @@ def unfold(
         D=D[element] * turned,
         F=F[element] * turned,
         energy=energy[element],
-        axial_strain=F[element, 0] * axial_compliance[grid.kind[element]],
+        axial_strain=axial_strain[element],
+        stretch=stretch[element],
+        plastic_strain=plastic_strain[element],
         stress=stress[element],
         stress_ratio=stress[element] / (np.nan if yield_strength is None else yield_strength),
         cells=cells,

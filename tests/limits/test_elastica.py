@@ -18,7 +18,8 @@ from scipy.optimize import brentq
 
 from punchform.arrays import Floats
 from punchform.grid import Grid
-from punchform.mechanics.assembly import Bars, Energy, Hessian, Loads
+from punchform.mechanics.assembly import Energy, Hessian
+from punchform.mechanics.bars import Bars, Loads
 from punchform.mechanics.frames import State, turned
 from punchform.mechanics.kinematics import FreeFrames
 from punchform.mechanics.linear import upper_matrix

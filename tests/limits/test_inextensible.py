@@ -33,7 +33,8 @@ from exact_nets import Dome, laid, paraboloid, sphere, sphere_net, square_grid
 
 from punchform.arrays import Floats
 from punchform.case import PressCase
-from punchform.mechanics.assembly import Bars, Energy
+from punchform.mechanics.assembly import Energy
+from punchform.mechanics.bars import Bars
 from punchform.mechanics.frames import State
 from punchform.mechanics.kinematics import FreeFrames
 from punchform.mechanics.newton import minimise

@@ -25,7 +25,8 @@ from small_grids import (
 
 from punchform.grid import Grid
 from punchform.mechanics import assembly
-from punchform.mechanics.assembly import Energy, Hessian, Loads
+from punchform.mechanics.assembly import Energy, Hessian
+from punchform.mechanics.bars import Loads
 from punchform.mechanics.frames import State
 from punchform.mechanics.friction import Friction
 from punchform.mechanics.pattern import shares

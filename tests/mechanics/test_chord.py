@@ -14,7 +14,8 @@ from small_grids import STEP, Plane, bars, beyond, dead, differences, energy_of,
 
 from punchform.arrays import Floats
 from punchform.mechanics import chord, element, sweeps
-from punchform.mechanics.assembly import Bars, Energy
+from punchform.mechanics.assembly import Energy
+from punchform.mechanics.bars import Bars
 from punchform.punch import Sphere
 from punchform.start import flat_start
 from punchform.testing import assert_derivatives, assert_rigid_invariance, slope_and_curvature

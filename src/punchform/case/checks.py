@@ -27,7 +27,7 @@ from punchform.case.stage_checks import stage_findings
 from punchform.case.stages import Stage, Step, steps
 from punchform.case.target import TargetCase
 from punchform.case.wire import PAPER_DIAMETER, StraightLine, WireCase, rise
-from punchform.case.yield_checks import yield_findings
+from punchform.case.yield_checks import memory_findings, yield_findings
 
 
 def findings(
@@ -64,6 +64,8 @@ def findings(
         yield from _aperture_inside_rim(punch, target)
     if wire and press:
         yield from yield_findings(wire, press)
+    if wire and grid and release:
+        yield from memory_findings(wire, grid, release)
     if stages is not None:
         done = tuple(steps(stages, {"press": press, "release": release, "load": load}))
         yield from stage_findings(done, stages=stages, punch=punch, target=target)
@@ -79,10 +81,12 @@ def _each_stage_can_be(done: tuple[Step, ...], grid: GridCase | None, wire: Wire
         match step.settings:
             case PressCase() as press if step.own:
                 found += _press_is_consistent(press)
+                found += yield_findings(wire, press) if wire else ()
                 found += _kinematics_knows_crossing(grid, press) if grid else ()
             case ReleaseCase() as release:
                 held = release
                 found += _something_is_held(grid, release) if step.own and grid else ()
+                found += memory_findings(wire, grid, release) if step.own and grid and wire else ()
             case LoadCase() as load if held is not None:
                 found += _load_can_act(load, wire, held)
         yield from (replace(one, key=step.place(*one.key[1:])) for one in found)

@@ -95,8 +95,8 @@ Hardening = Annotated[
 class FibreSection(Part):
     """The section as fibres, each with its own stress: the reference for stress resultants."""
 
-    rings: Annotated[Count, Field(le=64)] = Field(default=4, description="rings of fibres")
-    sectors: Annotated[Count, Field(ge=4, le=256)] = Field(default=12, description="fibres in a ring")
+    rings: Annotated[Count, Field(le=64)] = Field(default=3, description="rings of fibres")
+    sectors: Annotated[Count, Field(ge=4, le=256)] = Field(default=8, description="fibres in a ring, an even number")
 
 
 SectionLaw = Annotated[

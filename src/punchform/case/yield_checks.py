@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from punchform.case.findings import Finding
+from punchform.case.grid import GridCase
 from punchform.case.press import PressCase
+from punchform.case.release import ReleaseCase
 from punchform.case.wire import WireCase
 
 
@@ -35,4 +37,14 @@ def yield_findings(wire: WireCase, press: PressCase) -> Iterator[Finding]:
             ("press", "method"),
             "the paper's descent follows an energy, and a wire that yields has none",
             f'use method = "newton"; {elastic}',
+        )
+
+
+def memory_findings(wire: WireCase, grid: GridCase, release: ReleaseCase) -> Iterator[Finding]:
+    """A release that would need to know what the wires of the other quarters remember."""
+    if wire.yields and release.symmetry == "full" and grid.symmetry == "quarter":
+        yield Finding(
+            ("release", "symmetry"),
+            "what wires that yield remember of the press is known of the solved quarter only",
+            'press the whole grid: grid.symmetry = "full"',
         )

@@ -22,9 +22,10 @@ from numpy.typing import NDArray
 from punchform.arrays import Floats, Ints
 from punchform.grid import Grid
 from punchform.mechanics import sweeps
+from punchform.mechanics.bars import Bars, Loads
 from punchform.mechanics.frames import State, crossing_angle
 from punchform.mechanics.friction import Friction
-from punchform.mechanics.history import Beginning, History, Response, Yielding
+from punchform.mechanics.history import Beginning, Flowed, History, Response, Yielding
 from punchform.mechanics.kinematics import Chart, Kinematics
 from punchform.mechanics.pattern import Pattern, analyse, shares
 
@@ -48,35 +49,6 @@ class Hessian(Enum):
     def words(self) -> str:
         """How a report calls it."""
         return {"GAUSS_NEWTON": "Gauss-Newton", "PROJECTED": "projected", "EXACT": "exact"}[self.name]
-
-
-@dataclass(frozen=True)
-class Bars:
-    """What the elements are made of, by kind of piece as `Grid.kind` numbers them, in element axes (mm, N).
-
-    C (P, 6, 6): stiffness; offset (P,): e of Eq. (3.1); length (P,): the step s; rise (P,): how far the piece that C
-    describes rises, h of Eq. (3.10); chord: whether D is read from the chord, Eq. (3.12), or at O, Eq. (3.2);
-    yielding: what wires need to know that do not stay elastic, which are seen from the chord.
-    """
-
-    C: Floats
-    offset: Floats
-    length: Floats
-    rise: Floats
-    chord: bool = False
-    yielding: Yielding | None = None
-
-
-@dataclass(frozen=True)
-class Loads:
-    """Dead forces (N, 3) on the nodes [N], and the positions (N, 3) from which their work counts [mm]."""
-
-    forces: Floats
-    anchors: Floats
-
-    def work(self, state: State) -> Floats:
-        """Work of each force component, (N, 3) [mJ]."""
-        return np.asarray(self.forces * (state.positions - self.anchors))
 
 
 @dataclass(frozen=True)
@@ -187,6 +159,11 @@ class Energy:
         D, _, _ = self.elastic(state)
         history = self.bars.yielding.settled(self._history(state), self.grid.kind, D, self._last)
         return replace(state, history=history)
+
+    def flowed(self, state: State, F: Floats) -> Flowed | None:
+        """What is left in the wires of what flowed, under end forces F (M, 6); None for elastic ones."""
+        law = self.bars.yielding
+        return None if law is None else law.flowed(self._history(state), self.grid.kind, F)
 
     def at(self, state: State) -> float:
         """The energy of the solved part [mJ]; infinite where the state is not finite."""

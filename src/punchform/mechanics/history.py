@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from punchform.arrays import Floats, Ints
-from punchform.mechanics import fibres, resultants, settling, yielding
+from punchform.mechanics import fibres, laws, resultants, settling, yielding
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +56,19 @@ class Response:
 
 
 @dataclass(frozen=True, eq=False)
+class Flowed:
+    """What flowing has left in the wires, (M,) each: elongation against the new wire, pulled as it is; stretch of the
+    unloaded one; plastic_strain: largest equivalent one of its sections; stress: largest of Eq. (12.4) [MPa]; work of
+    the flow so far [mJ]."""
+
+    elongation: Floats
+    stretch: Floats
+    plastic_strain: Floats
+    stress: Floats
+    work: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class Yielding:
     """What the elements need to know to yield, by kind of piece where arrays begin with P.
 
@@ -96,6 +109,25 @@ class Yielding:
     def beginning(self, count: int) -> Beginning:
         """Where the search begins for so many elements of which nothing is known."""
         return Beginning(np.zeros((count, 12)), np.full((count, self.H.shape[1], fibres.MEMORY), np.nan))
+
+    def flowed(self, history: History, kind: Ints, F: Floats) -> Flowed:
+        """What is left of what flowed, and the stress under end forces F (M, 6)."""
+        area = 0.25 * np.pi * self.wire[2] ** 2 / history.stretch
+        strains = np.empty(len(history.stretch))
+        laws.largest_strains(history.past, self.points, strains)
+        size = np.hypot(self.length, self.height)[kind]
+        pull = (self.length[kind] * F[:, 0] + self.height[kind] * F[:, 2]) / size
+        longer = history.stretch * (1.0 + pull / (self.wire[0] * area))
+        return Flowed(longer - 1.0, history.stretch, strains, self._stress(history, kind, F, area), history.work)
+
+    def _stress(self, history: History, kind: Ints, F: Floats, area: Floats) -> Floats:
+        """Largest stress (M,) of the sections as if each had yielded throughout, Eq. (12.4) [MPa]."""
+        across = area * self.wire[2] / np.sqrt(history.stretch)
+        H = self.H[kind] + np.einsum("mgk,mgkab->mgab", history.off, self.lever[kind])
+        N, M_2, M_3, T = np.einsum("mgab,mb->amg", H, F)
+        bent, turned = 1.5 * np.pi * np.hypot(M_2, M_3), 3.0 * np.sqrt(3.0) * T
+        squares = (N / area[:, None]) ** 2 + (bent**2 + turned**2) / across[:, None] ** 2
+        return np.asarray(np.sqrt(squares.max(axis=1)))
 
     @property
     def law(self) -> tuple[Any, ...]:

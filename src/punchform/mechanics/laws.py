@@ -25,6 +25,16 @@ def stays(s, past, curve, kinematic, wire, stretch, points):
 
 
 @njit(cache=True, nogil=True)
+def largest_strains(past, points, strains):
+    """Write the largest equivalent plastic strain (M,) among the sections (M, G, V) of each element."""
+    for m in range(len(past)):
+        strains[m] = 0.0
+        for g in range(past.shape[1]):
+            here = fibres.plastic(past[m, g]) if len(points) else resultants.plastic(past[m, g])
+            strains[m] = max(strains[m], here)
+
+
+@njit(cache=True, nogil=True)
 def keep(s, past, curve, kinematic, wire, stretch, points, memory, after):
     """Write the internal variables of a section after the strains that s adds, of either law."""
     if len(points):

@@ -6,6 +6,8 @@ leaves the energy as it is, so leaving out one unknown that takes part in it cha
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.linalg import qr
 
@@ -58,8 +60,9 @@ def unturned(grid: Grid, state: State) -> State:
     def turn(vectors: Floats) -> Floats:
         return turned(vectors, rotation)
 
-    return State(
-        turn(state.positions),
-        turn(state.normals),
-        np.stack([turn(state.tangents[:, w]) for w in range(2)], axis=1),
+    return replace(
+        state,
+        positions=turn(state.positions),
+        normals=turn(state.normals),
+        tangents=np.stack([turn(state.tangents[:, w]) for w in range(2)], axis=1),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -47,7 +47,8 @@ class Element:
     section and centreline are None when C was given as a matrix. asymmetry is how far that matrix,
     or the flexibility of Eq. (2.4), was from symmetric before it was made so, by `asymmetry`. Of a wire cut in pieces
     an element is one of them: height is that of the whole wire and drop how far the piece ends below A, Eq. (7.5).
-    hardening is how the wire yields, None for an elastic one; C is the stiffness before it does.
+    hardening is how the wire yields, None for an elastic one; C is the stiffness before it does. fibres: rings and
+    sectors of its section, None where that is followed by its resultants.
     """
 
     C: Floats
@@ -58,6 +59,7 @@ class Element:
     asymmetry: float = 0.0
     drop: float = 0.0
     hardening: Hardening | None = None
+    fibres: tuple[int, int] | None = None
 
     @property
     def wire_length(self) -> float:
@@ -186,7 +188,8 @@ def _element(case: WireCase, step: float, hardening: Hardening | None) -> Elemen
             where="wire.height",
             hint="leave out wire.height: it is for a wire whose stiffness is given as a matrix",
         )
-    return along(line, section, height=height, hardening=hardening)
+    fibres = None if case.fibres is None else (case.fibres.rings, case.fibres.sectors)
+    return replace(along(line, section, height=height, hardening=hardening), fibres=fibres)
 
 
 def _from_matrix(case: WireCase, step: float) -> Element:

@@ -26,6 +26,16 @@ class Section:
         return pi * self.diameter**2 / 4
 
     @property
+    def youngs_modulus(self) -> float:
+        """E [MPa], by stretch."""
+        return self.EA / self.area
+
+    @property
+    def shear_modulus(self) -> float:
+        """G [MPa], by twist: J = 2 I of a round section."""
+        return self.GJ * self.youngs_modulus / (2 * self.EI)
+
+    @property
     def bending_modulus(self) -> float:
         """W = π d³/32 [mm³]: largest bending stress = M / W."""
         return pi * self.diameter**3 / 32
