@@ -145,8 +145,8 @@ def test_a_tensile_test_is_written_into_the_resolved_case(tmp_path: Path) -> Non
 def test_fibres_have_a_usual_number() -> None:
     wire = case_from_text(SHORT).wire
     assert wire.fibres is None
-    assert wire.model_copy(update={"section": "fibres"}).fibres == FibreSection(rings=4, sectors=12)
-    assert wire.model_copy(update={"section": {"rings": 6}}).fibres == FibreSection(rings=6, sectors=12)
+    assert wire.model_copy(update={"section": "fibres"}).fibres == FibreSection(rings=3, sectors=8)
+    assert wire.model_copy(update={"section": {"rings": 6}}).fibres == FibreSection(rings=6, sectors=8)
 
 
 def test_a_wire_that_yields_is_read_from_its_chord() -> None:

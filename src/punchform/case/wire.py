@@ -198,7 +198,7 @@ class WireCase(Part):
     section: SectionLaw = Field(
         default="resultants",
         description="how the section of a wire that yields is followed: by its force and moments, or as fibres, "
-        "{ rings = 4, sectors = 12 } unless said",
+        "{ rings = 3, sectors = 8 } unless said",
     )
     density: Annotated[float, Quantity(NUMBER, above=0.0, most=30_000.0)] | None = Field(
         default=None, description="density [kg/m^3]; needed for gravity, gives the mass of the wire"

@@ -21,7 +21,7 @@ _ALTERNATIVES = {
     "hold": "or a table such as { from_radius = '300 mm' }",
     "stiffness": "or 6 rows of 6 numbers",
     "hardening": "or a table such as { kind = 'linear', modulus = '2.5 GPa' }",
-    "section": "or a table such as { rings = 4, sectors = 12 }",
+    "section": "or a table such as { rings = 3, sectors = 8 }",
     "stages": "or a table such as { release = { hold = 'rim' } }",
 }
 """What else than a word a key may hold."""
