@@ -124,6 +124,11 @@ def _dissected(structure: _Structure):  # type: ignore[no-untyped-def]
     return rslab.analyze(lower, path="ldlt", nemin=WIDER_SUPERNODES, **DISSECTION)
 
 
+def forget_analysis() -> None:
+    """Let the kept analysis go, so that the next factorisation begins with the matrix alone."""
+    _dissected.cache_clear()
+
+
 @dataclass(frozen=True)
 class RslabSolver:
     """Supernodal L D Lᵀ of the package rslab."""
