@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from punchform.arrays import Floats, Ints
 from punchform.mechanics import chord, fibres, settling
 from punchform.mechanics.history import History, Yielding
+from punchform.testing import slope_and_curvature
 from punchform.wire import Element, along, cosine_line, round_section, stations, straight_line
 from punchform.wire.stations import lobatto
 
@@ -93,11 +94,10 @@ def test_end_force_and_tangent_are_derivatives_of_the_energy(points: Floats, hei
     for _ in range(4):
         D, way = any_modes(rng), any_modes(rng)
         F, stiffness, _ = one.at(D)
-        step = 1e-4
-        ahead, behind = one.at(D + step * way), one.at(D - step * way)
-        assert (ahead[2] - behind[2]) / (2 * step) == pytest.approx(F @ way, rel=1e-6, abs=1e-6 * np.abs(F * way).sum())
-        slope = (ahead[0] - behind[0]) / (2 * step)
-        np.testing.assert_allclose(stiffness @ way, slope, rtol=0, atol=2e-6 * np.abs(law.C[0] @ way).max())
+        work = slope_and_curvature(lambda h, D=D, way=way: one.at(D + h * way)[2], 1e-4)[0]
+        assert float(work) == pytest.approx(F @ way, rel=1e-6, abs=1e-6 * np.abs(F * way).sum())
+        slope = slope_and_curvature(lambda h, D=D, way=way: one.at(D + h * way)[0], 1e-4)[0]
+        np.testing.assert_allclose(stiffness @ way, slope, rtol=0, atol=1e-6 * np.abs(law.C[0] @ way).max())
         np.testing.assert_allclose(stiffness, stiffness.T, rtol=0, atol=1e-9 * np.abs(stiffness).max())
         assert np.linalg.eigvalsh(stiffness).min() > 0
         one.keep(D)
