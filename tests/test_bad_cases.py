@@ -240,7 +240,7 @@ TABLE: list[tuple[str, str, str, str]] = [
     (
         MODULUS,
         MODULUS + "\nsection = 'fibers'",
-        "11: wire.section: expected 'resultants' or 'fibres', or a table such as { rings = 4",
+        "11: wire.section: expected 'resultants' or 'fibres', or a table such as { rings = 3",
         "did you mean `fibres`?",
     ),
     (MODULUS, MODULUS + "\nsection = { rings = 0 }", "11: wire.section.rings: must be at least 1, not 0", ""),
