@@ -18,6 +18,7 @@ from punchform.case import (
     ReleaseCase,
     StraightLine,
     WireCase,
+    case_from_text,
     read_case,
 )
 from punchform.drape import drape
@@ -33,6 +34,7 @@ from punchform.prepare import prepare
 from punchform.press import Formed, press
 from punchform.punch import surface
 from punchform.release import release
+from punchform.run import run
 from punchform.solved import bars_of
 from punchform.wire import (
     Element,
@@ -292,3 +294,32 @@ def test_a_sharper_punch_is_let_through_when_the_wires_are_cut() -> None:
     # The net has straight edges between crossings, however the wires are cut.
     smooth = cut.model_copy(update={"punch": cut.tool.model_copy(update={"fillet": 71.0})})
     assert drape(smooth).grid.subdivide == 1
+
+
+def test_crimped_wires_that_yield_straighten_alike_whole_and_in_pieces() -> None:
+    """Levers that shrink within one element, Eq. (12.15), do what the nodes of a cut wire do by moving."""
+    text = """
+        schema = 1
+        [grid]
+        step = "10 mm"
+        blank = { shape = "circle", radius = "72 mm" }
+        [wire]
+        material = "304 annealed"
+        diameter = "0.8 mm"
+        [punch]
+        profile = { kind = "paraboloid", focal_length = "60 mm" }
+        rim_radius = "60 mm"
+        fillet = "15 mm"
+        [press]
+        rim = "clamp"
+        strokes = 8
+        [release]
+        hold = { from_radius = "60 mm" }
+    """
+    whole, cut = (run(case_from_text(text.replace("[wire]", f"subdivide = {n}\n[wire]"))) for n in (1, 2))
+    assert whole.formed.max_plastic_strain > 0.02
+    assert cut.formed.energy == pytest.approx(whole.formed.energy, rel=0.03)
+    assert whole.released is not None
+    assert cut.released is not None
+    assert cut.released.max_sag == pytest.approx(whole.released.max_sag, rel=0.1)
+    assert cut.formed.whole.stretch.max() == pytest.approx(whole.formed.whole.stretch.max(), rel=0.01)

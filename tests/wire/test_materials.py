@@ -102,14 +102,14 @@ def test_every_law_that_the_page_shows_is_one() -> None:
 
 
 def test_elements_and_their_pieces_know_how_their_wire_yields() -> None:
-    case = wire(material="304 annealed")
+    case = wire(material="304 annealed", section={"rings": 2, "sectors": 6})
     first, second = stiffness(case, (7.5, 6.0))
     assert first.hardening is not None
     assert first.hardening is second.hardening
     np.testing.assert_array_equal(first.hardening.curve, material("304 annealed").hardening.curve)
     cut = pieces((first, second), 3)
     assert len(cut) == 6
-    assert all(piece.hardening is first.hardening for piece in cut)
+    assert all(piece.hardening is first.hardening and piece.fibres == (2, 6) for piece in cut)
 
 
 def test_a_wire_without_hardening_stays_elastic() -> None:

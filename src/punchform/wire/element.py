@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -118,7 +118,12 @@ def axial_compliance(element: Element) -> float:
 
 
 def along(
-    line: Centreline, section: Section, *, height: float | None = None, hardening: Hardening | None = None
+    line: Centreline,
+    section: Section,
+    *,
+    height: float | None = None,
+    hardening: Hardening | None = None,
+    fibres: tuple[int, int] | None = None,
 ) -> Element:
     """The element of a wire with a given centreline and section, Eq. (2.4), and how it yields.
 
@@ -129,7 +134,8 @@ def along(
     C = inverse(B)
     C.setflags(write=False)
     rise = line.rise if height is None else height
-    return Element(C, rise, float(line.tip[0]), section, line, float(asymmetry(B).max()), hardening=hardening)
+    skew = float(asymmetry(B).max())
+    return Element(C, rise, float(line.tip[0]), section, line, skew, hardening=hardening, fibres=fibres)
 
 
 def given(matrix: Floats, *, height: float, length: float) -> Element:
@@ -189,7 +195,7 @@ def _element(case: WireCase, step: float, hardening: Hardening | None) -> Elemen
             hint="leave out wire.height: it is for a wire whose stiffness is given as a matrix",
         )
     fibres = None if case.fibres is None else (case.fibres.rings, case.fibres.sectors)
-    return replace(along(line, section, height=height, hardening=hardening), fibres=fibres)
+    return along(line, section, height=height, hardening=hardening, fibres=fibres)
 
 
 def _from_matrix(case: WireCase, step: float) -> Element:

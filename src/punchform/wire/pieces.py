@@ -75,6 +75,6 @@ def _pieces(element: Element, count: int) -> list[Element]:
     found, reached = [], 0.0
     for part in cut(line, count):
         reached += part.rise
-        piece = along(part, section, hardening=element.hardening)
+        piece = along(part, section, hardening=element.hardening, fibres=element.fibres)
         found.append(replace(piece, height=element.height, drop=line.rise - reached))
     return found
