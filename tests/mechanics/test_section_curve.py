@@ -52,7 +52,7 @@ def test_strain_for_is_the_inverse_of_the_rise(alpha: float, added: float, modul
 @settings(deadline=None)
 @given(stresses, stresses, strains, st.sampled_from([0.0, 0.4, 1.0]))
 def test_return_of_a_fibre(sigma: float, tau: float, alpha: float, kinematic: float) -> None:
-    added, q = flow_curve.flow_under(sigma, tau, alpha, CURVE, kinematic, E, G)
+    added, q, risen = flow_curve.flow_under(sigma, tau, alpha, CURVE, kinematic, E, G)
     size = 205 + (1 - kinematic) * (stress(alpha) - 205)
 
     def excess(x: float) -> float:
@@ -63,5 +63,6 @@ def test_return_of_a_fibre(sigma: float, tau: float, alpha: float, kinematic: fl
         assert added == 0
         return
     assert added == pytest.approx(brentq(excess, 0, 1, xtol=1e-16), rel=1e-9, abs=1e-15)
+    assert risen == flow_curve.rise(CURVE, alpha, added)
     left, around = flow_curve.left_of(sigma, tau, added, q, E, G)
     assert np.hypot(left, np.sqrt(3) * around) == pytest.approx(q, rel=1e-12)

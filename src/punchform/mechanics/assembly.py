@@ -25,7 +25,7 @@ from punchform.mechanics import sweeps
 from punchform.mechanics.bars import Bars, Loads
 from punchform.mechanics.frames import State, crossing_angle
 from punchform.mechanics.friction import Friction
-from punchform.mechanics.history import Beginning, Flowed, History, Response, Yielding
+from punchform.mechanics.history import Flowed, History, Recall, Response, Yielding
 from punchform.mechanics.kinematics import Chart, Kinematics
 from punchform.mechanics.pattern import Pattern, analyse, shares
 
@@ -90,7 +90,8 @@ class Energy:
     """The energy of the grid as a function of its unknowns (one solve: grid, wire, kinematics, crossing, loads).
 
     crossing: stiffness of the crossing springs [N mm/rad], 0 for none; loads: dead forces on the nodes; friction:
-    what resists their sliding.
+    what resists their sliding; recall: the last answer of wires that yield, which an energy made from another with
+    `replace` goes on with.
     """
 
     grid: Grid
@@ -100,6 +101,7 @@ class Energy:
     loads: Loads | None = None
     friction: Friction | None = None
     clock: Clock = field(default_factory=Clock)
+    recall: Recall = field(default_factory=Recall)
 
     @cached_property
     def pattern(self) -> Pattern:
@@ -123,11 +125,6 @@ class Energy:
         return THREADS if self.grid.elements >= WORTH_THREADS else 1
 
     @cached_property
-    def _last(self) -> Beginning:
-        assert self.bars.yielding is not None
-        return self.bars.yielding.beginning(self.grid.elements)
-
-    @cached_property
     def _virgin(self) -> History:
         assert self.bars.yielding is not None
         return self.bars.yielding.virgin(self.grid.kind)
@@ -135,29 +132,43 @@ class Energy:
     def elastic(self, state: State) -> tuple[Floats, Floats, Floats]:
         """Modes D (M, 6), end forces F (M, 6) and energies (M,) of the elements, Eq. (3.2), P(3), P(8)."""
         begun = perf_counter()
-        D, F = np.empty((self.grid.elements, 6)), np.empty((self.grid.elements, 6))
-        energies = np.empty(self.grid.elements)
-        sweeps.states(*self._of(state), D, F, energies)
-        if self.bars.yielding is not None:
-            answer = self._answer(self.bars.yielding, state, D)
+        if self.bars.yielding is None:
+            D, F, energies = self._states(state)
+        else:
+            D, answer = self._answer(self.bars.yielding, state)
             F, energies = answer.F, answer.energies
         self.clock.kernel += perf_counter() - begun
         return D, F, energies
 
-    def _answer(self, law: Yielding, state: State, D: Floats) -> Response:
-        """What wires that yield make of the modes; the search for their forces begins at those of the last call."""
-        threads = THREADS if self.grid.elements >= WORTH_THREADS_TO_YIELD else 1
-        return law.respond(self._history(state), self.grid.kind, D, self._last, threads)
+    def _states(self, state: State) -> tuple[Floats, Floats, Floats]:
+        D, F = np.empty((self.grid.elements, 6)), np.empty((self.grid.elements, 6))
+        energies = np.empty(self.grid.elements)
+        sweeps.states(*self._of(state), D, F, energies)
+        return D, F, energies
+
+    def _answer(self, law: Yielding, state: State) -> tuple[Floats, Response]:
+        """The modes, and what wires that yield make of them; the search begins at the forces of the last call."""
+        last, of = self.recall, (state, self.grid, self.bars)
+        if last.answer is None or not last.has(of):
+            if last.begin is None or not last.knows(of):
+                last.begin = law.beginning(self.grid.elements)
+            threads = THREADS if self.grid.elements >= WORTH_THREADS_TO_YIELD else 1
+            last.of, last.D = of, self._states(state)[0]
+            last.answer = law.respond(self._history(state), self.grid.kind, last.D, last.begin, threads)
+        return last.D, last.answer
 
     def settled(self, state: State) -> State:
         """The state with what flowed on the way to it as its past, Eqs. (12.14)-(12.16); that of elastic wires itself.
 
         The end forces stay what they are, the energy becomes the elastic one.
         """
-        if self.bars.yielding is None:
+        law = self.bars.yielding
+        if law is None:
             return state
-        D, _, _ = self.elastic(state)
-        history = self.bars.yielding.settled(self._history(state), self.grid.kind, D, self._last)
+        D, _ = self._answer(law, state)
+        assert self.recall.begin is not None
+        history = law.settled(self._history(state), self.grid.kind, D, self.recall.begin)
+        self.recall.answer = None
         return replace(state, history=history)
 
     def flowed(self, state: State, F: Floats) -> Flowed | None:
@@ -205,9 +216,7 @@ class Energy:
         arguments = self._of(chart.state)
         law, forces, stiffness = self.bars.yielding, np.empty((0, 6)), np.empty((0, 6, 6))
         if law is not None:
-            D = np.empty((self.grid.elements, 6))
-            sweeps.states(*arguments, D, np.empty_like(D), energies)
-            answer = self._answer(law, chart.state, D)
+            _, answer = self._answer(law, chart.state)
             forces, stiffness, energies = answer.F, answer.stiffness, answer.energies
 
         def sweep(chosen: Ints) -> None:

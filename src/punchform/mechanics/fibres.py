@@ -22,7 +22,7 @@ from numba import njit
 
 from punchform.arrays import Floats
 from punchform.errors import InputError
-from punchform.mechanics.flow_curve import flow_under, left_of, radius, rise
+from punchform.mechanics.flow_curve import flow_under, left_of, radius
 
 HEAD = 5
 """Numbers of a past row before those of the fibres."""
@@ -59,7 +59,7 @@ def round_points(rings: int, sectors: int) -> Floats:
     return np.column_stack([rho * np.cos(angle), rho * np.sin(angle), share])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def plastic(past):
     """Largest equivalent plastic strain among the fibres."""
     largest = 0.0
@@ -68,20 +68,20 @@ def plastic(past):
     return largest
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def dissipated(past):
     """Work that has become heat so far, per original length [N]."""
     return past[0]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def trial_of_fibre(e, past, i, y, z, rho, young, shear):
     """Stresses (sigma, tau) of the fibre whose past begins at i if it did not flow, less its back stress [MPa]."""
     sigma = young * (e[0] + z * e[1] - y * e[2] - past[i]) - past[i + 3]
     return sigma, shear * (rho * e[3] - past[i + 1]) - past[i + 4]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def sweep(e, past, curve, kinematic, young, shear, points, carried, loads, K, lost):
     """Stresses of all fibres at the scaled strain e (4,): write the load that they carry and what flow has taken from
     it into carried and loads (4,), the tangent of the section into K (4, 4) and how far it is below the elastic one
@@ -96,14 +96,13 @@ def sweep(e, past, curve, kinematic, young, shear, points, carried, loads, K, lo
         i = HEAD + OF_FIBRE * p
         rho = sqrt(y * y + z * z)
         sigma, tau = trial_of_fibre(e, past, i, y, z, rho, young, shear)
-        added, q = flow_under(sigma, tau, past[i + 2], curve, kinematic, young, shear)
+        added, q, (height, slope, work) = flow_under(sigma, tau, past[i + 2], curve, kinematic, young, shear)
         if added == 0.0:
             add_stress(share, y, z, rho, sigma + past[i + 3], tau + past[i + 4], carried)
             continue
         left, around = left_of(sigma, tau, added, q, young, shear)
         add_stress(share, y, z, rho, left + past[i + 3], around + past[i + 4], carried)
         eps, gamma = added * left / q, 3.0 * added * around / q
-        height, slope, work = rise(curve, past[i + 2], added)
         size = q - height
         below += share * (sigma * eps + tau * gamma - 0.5 * (young * eps * eps + shear * gamma * gamma))
         below -= share * (size * added + work)
@@ -124,7 +123,7 @@ def sweep(e, past, curve, kinematic, young, shear, points, carried, loads, K, lo
     return below
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def add_stress(share, y, z, rho, sigma, tau, loads):
     """Add the stresses of a fibre to the scaled loads (4,)."""
     loads[0] += share * sigma
@@ -133,7 +132,7 @@ def add_stress(share, y, z, rho, sigma, tau, loads):
     loads[3] += share * rho * tau
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def add_stiffness(share, y, z, rho, l_11, l_12, l_22, K):
     """Add the symmetric stiffness (l_11, l_12, l_22) of a fibre to that of the scaled section K (4, 4)."""
     row = (1.0, z, -y)
@@ -145,7 +144,7 @@ def add_stiffness(share, y, z, rho, l_11, l_12, l_22, K):
     K[3, 3] += share * rho * rho * l_22
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def add_elastic(young, shear, K):
     """Add the elastic stiffness of the scaled section, Eq. (12.2), to K (4, 4)."""
     K[0, 0] += young
@@ -154,7 +153,7 @@ def add_elastic(young, shear, K):
     K[3, 3] += shear / 8.0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def solve(K, right, x):
     """Write the solution of the positive definite K x = right into x (4,); K becomes its Cholesky factor."""
     for k in range(4):
@@ -166,7 +165,7 @@ def solve(K, right, x):
     solve_again(K, right, x)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def solve_again(K, right, x):
     """The same with the factor that `solve` has left in K."""
     for k in range(4):
@@ -181,7 +180,7 @@ def solve_again(K, right, x):
         x[k] = total / K[k, k]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def missing(load, carried, r):
     """Write the load less what the fibres carry into r (4,); return its size, moments as stress at the edge."""
     size = 0.0
@@ -191,7 +190,7 @@ def missing(load, carried, r):
     return size
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def foretold(load, past, stiff, memory, e):
     """Write the strain e (4,) that the last answer in memory (24,) foretells, or the elastic one where that is NaN."""
     for k in range(4):
@@ -203,7 +202,7 @@ def foretold(load, past, stiff, memory, e):
                 e[k] += memory[8 + 4 * k + m] * (load[m] - memory[4 + m])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def strain_under(load, past, curve, kinematic, young, shear, points, memory, e, loads, K, lost):
     """Write the scaled strain e (4,) under which the fibres carry the scaled load (4,) [MPa], Eq. (12.3), and what
     `sweep` leaves in loads, K and lost; return what it returns.
@@ -241,7 +240,7 @@ def strain_under(load, past, curve, kinematic, young, shear, points, memory, e, 
     return below if gap <= MET * size and np.isfinite(below) else np.inf
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def enter(s, wire, lam, load):
     """Write the scaled load (4,) [MPa] of s = (N, M_2, M_3, T) and return the area and the diameter as stretched."""
     area, diameter = 0.25 * pi * wire[2] * wire[2] / lam, wire[2] / sqrt(lam)
@@ -251,7 +250,7 @@ def enter(s, wire, lam, load):
     return area, diameter
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def flow(s, past, curve, kinematic, wire, lam, points, memory, dp, f):
     """Plastic section strain added since the past row under the load s, by fibres, Eqs. (12.2) and (12.3).
 
@@ -294,7 +293,7 @@ def flow(s, past, curve, kinematic, wire, lam, points, memory, dp, f):
     return max(area * below, 0.0)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def stays(s, past, curve, kinematic, wire, lam, points):
     """Whether no fibre flows under the load s; arguments as of `flow`."""
     young, shear = wire[0], wire[1]
@@ -313,7 +312,7 @@ def stays(s, past, curve, kinematic, wire, lam, points):
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def settle(s, past, curve, kinematic, wire, lam, points, memory, after):
     """Write the past row that follows when the load s is accepted into after (past_size,); arguments as of `flow`."""
     young, shear = wire[0], wire[1]
@@ -330,11 +329,11 @@ def settle(s, past, curve, kinematic, wire, lam, points, memory, after):
         y, z = points[p, 0], points[p, 1]
         i = HEAD + OF_FIBRE * p
         sigma, tau = trial_of_fibre(e, past, i, y, z, sqrt(y * y + z * z), young, shear)
-        added, q = flow_under(sigma, tau, past[i + 2], curve, kinematic, young, shear)
+        added, q, risen = flow_under(sigma, tau, past[i + 2], curve, kinematic, young, shear)
         if added == 0.0:
             continue
         left, around = left_of(sigma, tau, added, q, young, shear)
-        moved = kinematic * rise(curve, past[i + 2], added)[0]
+        moved = kinematic * risen[0]
         after[i] += added * left / q
         after[i + 1] += 3.0 * added * around / q
         after[i + 2] += added

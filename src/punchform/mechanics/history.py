@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
@@ -11,6 +11,9 @@ import numpy as np
 
 from punchform.arrays import Floats, Ints
 from punchform.mechanics import fibres, laws, resultants, settling, yielding
+
+PARTS = 8
+"""Parts of the elements for each thread."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,10 +42,13 @@ class History:
 
 @dataclass(frozen=True, eq=False)
 class Beginning:
-    """Where the search for end forces begins: the forces (M, 12) of the last call, and what its sections found
-    (M, G, 24). Every call overwrites them."""
+    """Where the search for end forces begins: the forces (M, 12) of the last call, its modes (M, 6), NaN before the
+    first, the derivative of the forces with the modes when they last flowed, hard (M, 12, 6), and what the sections
+    found (M, G, 24). Every call overwrites them."""
 
     forces: Floats
+    modes: Floats
+    hard: Floats
     sections: Floats
 
 
@@ -53,6 +59,27 @@ class Response:
     F: Floats
     stiffness: Floats
     energies: Floats
+
+
+@dataclass(eq=False)
+class Recall:
+    """The last answer of wires that yield: a state that a line search has asked for is asked for again at once.
+
+    of: what it is the answer for, by identity: the state, and the grid and the bars, for which alone `begin` is good.
+    """
+
+    of: tuple[object, object, object] = (None, None, None)
+    begin: Beginning | None = None
+    D: Floats = field(default_factory=lambda: np.empty((0, 6)))
+    answer: Response | None = None
+
+    def has(self, of: tuple[object, object, object]) -> bool:
+        """Whether the answer is that of the same state, grid and bars."""
+        return all(one is other for one, other in zip(self.of, of, strict=True))
+
+    def knows(self, of: tuple[object, object, object]) -> bool:
+        """Whether it is that of the same grid and bars, in any state."""
+        return all(one is other for one, other in zip(self.of[1:], of[1:], strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +135,12 @@ class Yielding:
 
     def beginning(self, count: int) -> Beginning:
         """Where the search begins for so many elements of which nothing is known."""
-        return Beginning(np.zeros((count, 12)), np.full((count, self.H.shape[1], fibres.MEMORY), np.nan))
+        return Beginning(
+            forces=np.zeros((count, 12)),
+            modes=np.full((count, 6), np.nan),
+            hard=np.zeros((count, 12, 6)),
+            sections=np.full((count, self.H.shape[1], fibres.MEMORY), np.nan),
+        )
 
     def flowed(self, history: History, kind: Ints, F: Floats) -> Flowed:
         """What is left of what flowed, and the stress under end forces F (M, 6)."""
@@ -150,19 +182,23 @@ class Yielding:
         past = (history.off, history.stretch, history.pull, history.past, history.B, history.C)
         made_of = (self.H, self.lever, self.weight, self.string, *self.law)
 
-        def answer(part: tuple[int, int]) -> None:
-            yielding.respond(*part, kind, D, *made_of, *past, begin.sections, begin.forces, stiffness, energies)
+        known = (begin.sections, begin.forces, begin.modes, begin.hard)
 
-        parts = list(pairwise(np.linspace(0, len(D), threads + 1).astype(int).tolist()))
+        def answer(part: tuple[int, int]) -> None:
+            yielding.respond(*part, kind, D, *made_of, *past, *known, stiffness, energies)
+
         if threads == 1:
-            answer(parts[0])
+            answer((0, len(D)))
         else:
+            # Those that flow lie together: small parts keep all threads busy.
+            parts = pairwise(np.linspace(0, len(D), PARTS * threads + 1).astype(int).tolist())
             with ThreadPoolExecutor(threads) as pool:
                 list(pool.map(answer, parts))
         return Response(begin.forces[:, :6].copy(), stiffness, energies)
 
     def settled(self, history: History, kind: Ints, D: Floats, begin: Beginning) -> History:
-        """The history after a stroke that ended with the modes D (M, 6) and with what the last call found for them."""
+        """The history after a stroke that ended with the modes D (M, 6) and with what the last call found for them;
+        `begin` follows to the modes that the same forces have now."""
         after = replace(history, **{name: values.copy() for name, values in vars(history).items()})
         settling.settle(
             kind,
@@ -173,4 +209,5 @@ class Yielding:
             begin.sections,
             *(after.rest, after.off, after.stretch, after.pull, after.past, after.B, after.C, after.work),
         )
+        begin.modes[:] = np.einsum("mab,mb->ma", after.B, begin.forces[:, :6])
         return after

@@ -7,7 +7,7 @@ from numba import njit
 from punchform.mechanics import fibres, resultants
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def flow(s, past, curve, kinematic, wire, stretch, points, memory, strain, compliance):
     """Plastic strain (4,) added since the past, its derivative (4, 4) with s, and its potential: of the law of fibres
     where there are points, else of resultants."""
@@ -16,7 +16,7 @@ def flow(s, past, curve, kinematic, wire, stretch, points, memory, strain, compl
     return resultants.flow(s, past, curve, kinematic, wire, stretch, strain, compliance)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def stays(s, past, curve, kinematic, wire, stretch, points):
     """Whether nothing flows in a section, by either law."""
     if len(points):
@@ -24,7 +24,7 @@ def stays(s, past, curve, kinematic, wire, stretch, points):
     return resultants.stays(s, past, curve, kinematic, wire, stretch)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def largest_strains(past, points, strains):
     """Write the largest equivalent plastic strain (M,) among the sections (M, G, V) of each element."""
     for m in range(len(past)):
@@ -34,7 +34,7 @@ def largest_strains(past, points, strains):
             strains[m] = max(strains[m], here)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def keep(s, past, curve, kinematic, wire, stretch, points, memory, after):
     """Write the internal variables of a section after the strains that s adds, of either law."""
     if len(points):

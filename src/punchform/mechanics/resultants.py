@@ -26,7 +26,7 @@ from math import pi, sqrt
 import numpy as np
 from numba import njit
 
-from punchform.mechanics.flow_curve import radius, rise, strain_for
+from punchform.mechanics.flow_curve import ROUNDING, piece, radius, radius_on, rise, rise_from, strain_for, strain_from
 
 HEAD = 2
 """Numbers of a past row before those of the surfaces."""
@@ -49,19 +49,19 @@ ELASTIC = 64.0 / (9.0 * pi * pi)
 """Elastic compliance in bending, times E, of the loads and strains above."""
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def plastic(past):
     """Equivalent plastic strain at the edge of the section, summed over the strokes, Eq. (12.8)."""
     return past[1]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def dissipated(past):
     """Work that has become heat so far, per original length [N]."""
     return past[0]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def scales(wire, lam):
     """Area [mm²] of the stretched wire and by what N / A, M / A and T / A are multiplied to become n, m and t."""
     diameter = wire[2] / sqrt(lam)
@@ -69,7 +69,7 @@ def scales(wire, lam):
     return 0.25 * pi * diameter * diameter, (1.0, bending, bending, twisting)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def beyond(s, past, first, factor, weight):
     """The load less the back stress (weight: 1/m_j, 1/t_j): n and the vector y of the lens, as a tuple (4,)."""
     return (
@@ -80,45 +80,70 @@ def beyond(s, past, first, factor, weight):
     )
 
 
-@njit(cache=True, nogil=True)
-def flow_of_lens(nu, mu, size, alpha, curve, eta):
+@njit(cache=True, nogil=True, error_model="numpy")
+def holds(square, mu, size):
+    """Whether a lens of this size holds the load nu² = square and mu, Eq. (12.6)."""
+    return square + size * mu <= size * size
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def flow_of_lens(nu, mu, alpha, curve, kinematic, eta):
     """Implicit flow of a lens, Eq. (12.6), under nu = |n| and mu = |y|, less the back stress [MPa].
 
-    Returns the flow (0 where none), the size q of the lens after it, the slope of q over it [MPa], the flow v in
-    bending and twist, and whether the load has come to the tip.
+    Returns the flow (0 where none), the size q of the lens after it and before, the slope of q over the flow [MPa], the
+    flow v in bending and twist, whether the load has come to the tip, and the work of the rise of q [MPa].
     """
-    if 0.5 * (mu + sqrt(mu * mu + 4.0 * nu * nu)) <= size:
-        return 0.0, size, 0.0, 0.0, False
+    square, first = nu * nu, curve[0, 1]
+    # A lens only becomes larger: most need no search of the curve.
+    if holds(square, mu, first):
+        return 0.0, first, first, 0.0, 0.0, False, 0.0
+    k = piece(curve, alpha)
+    size = radius_on(curve, k, kinematic, alpha)
+    if holds(square, mu, size):
+        return 0.0, size, size, 0.0, 0.0, False, 0.0
     low = 0.0
     if nu > size:
-        low = PART * strain_for(curve, alpha, 0.0, nu - size)
+        strain = strain_from(curve, k, alpha, 0.0, nu - size)
+        low = PART * strain
         if mu <= 0.5 * eta * low:
-            return low, nu, rise(curve, alpha, low / PART)[1] / PART, mu / eta, True
+            _, slope, work = rise_from(curve, k, alpha, strain)
+            return low, nu, size, slope / PART, mu / eta, True, PART * work
+    added, q, slope, v, work = flow_off_tip(square, mu, alpha, curve, k, size, eta, low)
+    return added, q, size, slope, v, False, work
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def flow_off_tip(square, mu, alpha, curve, k, size, eta, low):
+    """Solve Eq. (12.6) away from the tip, by Newton between a flow `low` that is too little and 2 mu / eta: the flow,
+    the size q, its slope, the flow in bending and twist, and the work of the rise of q [MPa]."""
     high = 2.0 * mu / eta
-    added = min(max(low, (mu - size) / eta), high)
-    square = nu * nu
-    q, slope, share = size, 0.0, 1.0
+    # As if q did not grow: a lens softens far more by eta than by the curve.
+    share = size * size / (size * size + square)
+    added = min(max(low, (mu + square / size - size) / (eta * share)), high)
+    q, slope, work = size, 0.0, 0.0
     for _ in range(100):
-        height, slope, _ = rise(curve, alpha, added / PART)
+        height, slope, work = rise_from(curve, k, alpha, added / PART)
         q, slope = size + height, slope / PART
-        share = q * q / (q * q + square)
-        excess = q - square / q + eta * added * share - mu
+        across = square / q
+        share = q / (q + across)
+        moved = eta * added * share
+        excess = q - across + moved - mu
         if excess > 0.0:
             high = added
         else:
             low = added
-        rate = slope * (1.0 + square / (q * q)) + eta * share
-        rate += 2.0 * eta * added * slope * share * share * square / (q * q * q)
+        rate = slope * (1.0 + across / q) + eta * share + 2.0 * moved * slope * share * across / (q * q)
         following = added - excess / rate
         if not low <= following <= high:
             following = 0.5 * (low + high)
-        if abs(following - added) <= 1e-15 * following:
+        # What is left of the excess is rounding, of which a small flow would never become free.
+        if abs(following - added) <= 1e-15 * following or abs(excess) <= 0.5 * ROUNDING * (q + across + mu):
             break
         added = following
-    return added, q, slope, added * share, False
+    return added, q, slope, added * share, PART * work
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def rates_of_lens(nu, added, q, slope, eta):
     """Second derivatives of the potential of a lens away from its tip, by nu and mu: w_nu_nu, w_nu_mu, w_mu_mu."""
     square, whole = nu * nu, q * q + nu * nu
@@ -135,21 +160,20 @@ def rates_of_lens(nu, added, q, slope, eta):
     )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def stiffness_of_lens(j, wire):
     """eta_j of Eq. (12.6) [MPa]."""
     return wire[0] / (ELASTIC * SOFTNESS[j] * BENDING[j] * BENDING[j])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def add_lens(j, s, past, curve, kinematic, wire, factor, dp, f):
     """Add the flow of lens j to dp (4,) and f (4, 4), both scaled; return its potential [MPa]."""
     first = HEAD + OF_SURFACE * j
     weight = (1.0 / BENDING[j], 1.0 / TWISTING[j])
     x = beyond(s, past, first, factor, weight)
     nu, mu, eta = abs(x[0]), sqrt(x[1] * x[1] + x[2] * x[2] + x[3] * x[3]), stiffness_of_lens(j, wire)
-    size = radius(curve, kinematic, past[first])
-    added, q, slope, v, tip = flow_of_lens(nu, mu, size, past[first], curve, eta)
+    added, q, size, slope, v, tip, work = flow_of_lens(nu, mu, past[first], curve, kinematic, eta)
     if added == 0.0:
         return 0.0
     sign = 1.0 if x[0] > 0.0 else -1.0
@@ -170,21 +194,24 @@ def add_lens(j, s, past, curve, kinematic, wire, factor, dp, f):
         f[k, k] += turn * by[k] * by[k]
         for m in range(1, 4):
             f[k, m] += (w_mm - turn) * one * x[m] * back * by[m]
-    work = rise(curve, past[first], added / PART)[2]
-    return nu * along + mu * v - 0.5 * eta * v * v - size * added - PART * work
+    return nu * along + mu * v - 0.5 * eta * v * v - size * added - work
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def add_sphere(s, past, curve, kinematic, factor, dp, f):
     """Add the flow of the sphere, Eq. (12.5), to dp (4,) and f (4, 4), both scaled; return its potential [MPa]."""
     first = HEAD + OF_SURFACE * LENSES
     x = beyond(s, past, first, factor, (1.0, 1.0))
-    q, size = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[3] * x[3]), radius(curve, kinematic, past[first])
+    q, alpha = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[3] * x[3]), past[first]
+    if q <= curve[0, 1]:
+        return 0.0
+    number = piece(curve, alpha)
+    size = radius_on(curve, number, kinematic, alpha)
     if q <= size:
         return 0.0
     part = 1.0 - LENSES * PART
-    strain = strain_for(curve, past[first], 0.0, q - size)
-    height, slope, work = rise(curve, past[first], strain)
+    strain = strain_from(curve, number, alpha, 0.0, q - size)
+    height, slope, work = rise_from(curve, number, alpha, strain)
     turn = part * strain / q
     for k in range(4):
         dp[k] += turn * x[k]
@@ -194,7 +221,7 @@ def add_sphere(s, past, curve, kinematic, factor, dp, f):
     return part * (height * strain - work)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def flow(s, past, curve, kinematic, wire, lam, dp, f):
     """Plastic section strain added since the past row under the load s, Eqs. (12.4) to (12.7).
 
@@ -218,7 +245,7 @@ def flow(s, past, curve, kinematic, wire, lam, dp, f):
     return max(area * w, 0.0)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def stays(s, past, curve, kinematic, wire, lam):
     """Whether nothing flows under the load s; arguments as of `flow`."""
     area, factor = scales(wire, lam)
@@ -227,32 +254,34 @@ def stays(s, past, curve, kinematic, wire, lam):
         first = HEAD + OF_SURFACE * j
         weight = (1.0 / BENDING[j], 1.0 / TWISTING[j]) if j < LENSES else (1.0, 1.0)
         x = beyond(s, past, first, factor, weight)
-        size, square = radius(curve, kinematic, past[first]), x[0] * x[0]
+        square, size = x[0] * x[0], curve[0, 1]
         mu = sqrt(x[1] * x[1] + x[2] * x[2] + x[3] * x[3])
-        reached = 0.5 * (mu + sqrt(mu * mu + 4.0 * square)) if j < LENSES else sqrt(square + mu * mu)
-        if reached > size:
+        if holds(square, mu, size) if j < LENSES else square + mu * mu <= size * size:
+            continue
+        size = radius(curve, kinematic, past[first])
+        if not (holds(square, mu, size) if j < LENSES else square + mu * mu <= size * size):
             return False
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def settle_surface(j, s, past, curve, kinematic, wire, factor, after, strain):
     """Write what surface j remembers of the accepted load s into its part of the row after, add its flow to the
     scaled strain (4,), and return its dissipation per volume [MPa]."""
     first = HEAD + OF_SURFACE * j
-    size = radius(curve, kinematic, past[first])
     lens = j < LENSES
     weight = (1.0 / BENDING[j], 1.0 / TWISTING[j]) if lens else (1.0, 1.0)
     part = PART if lens else 1.0 - LENSES * PART
     x = beyond(s, past, first, factor, weight)
     mu = sqrt(x[1] * x[1] + x[2] * x[2] + x[3] * x[3])
     if lens:
-        added, q, _, v, tip = flow_of_lens(abs(x[0]), mu, size, past[first], curve, stiffness_of_lens(j, wire))
+        eta = stiffness_of_lens(j, wire)
+        added, q, _, _, v, tip, _ = flow_of_lens(abs(x[0]), mu, past[first], curve, kinematic, eta)
         left = 0.0 if tip else q - x[0] * x[0] / q
         along = added if tip else added * 2.0 * abs(x[0]) * q / (q * q + x[0] * x[0])
         strain[0] += along if x[0] > 0.0 else -along
     else:
-        q = sqrt(x[0] * x[0] + mu * mu)
+        q, size = sqrt(x[0] * x[0] + mu * mu), radius(curve, kinematic, past[first])
         added = part * strain_for(curve, past[first], 0.0, max(q - size, 0.0))
         left, v = mu, added * mu / max(q, size)
         strain[0] += added * x[0] / max(q, size)
@@ -269,7 +298,7 @@ def settle_surface(j, s, past, curve, kinematic, wire, factor, after, strain):
     return added * (q - moved)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def settle(s, past, curve, kinematic, wire, lam, after):
     """Write the past row that follows when the load s is accepted into after (PAST,); arguments as of `flow`."""
     after[:] = past

@@ -12,13 +12,13 @@ from numba import njit
 
 from punchform.mechanics.chord import bow, to_pulls
 from punchform.mechanics.laws import flow, keep
-from punchform.mechanics.yielding import inverted, levered, section_forces
+from punchform.mechanics.yielding import columns, factored, levered, section_forces
 
 ROUNDS = 12
 """Rounds of Eq. (12.14), each of which leaves about a tenth of the error: what the pull does to a bent wire's ends."""
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def settle(
     kind, D, forces, H, lever, weight, string, curving, correction, height, length, curve, kinematic, wire, points,
     memory, rest, off, stretch, pull, past, B, C, work,
@@ -31,7 +31,7 @@ def settle(
     count, size = H.shape[1], past.shape[2]
     own, after, strains = np.empty((count, 4, 12)), np.empty((count, size)), np.empty((count, 4))
     s, strain, compliance = np.empty(4), np.empty(4), np.empty((4, 4))
-    L, F = np.empty((6, 6)), np.empty(6)
+    L, F, x, inverse = np.empty((6, 6)), np.empty(6), np.empty(12), np.empty((12, 6))
     for m in range(len(kind)):
         piece, reach, longer, flows = kind[m], 0.0, 0.0, False
         for g in range(count):
@@ -63,11 +63,13 @@ def settle(
                 off[m, g, 1] += reach * reach * curving[g, k] * strains[k, 2]
         levered(H[piece], lever[piece], off[m], string, reach, own)
         flexibility(own, weight[piece], stretch[m], wire, correction[piece], B[m])
-        inverted(B[m], 6, L, C[m])
+        factored(B[m], 6, L)
+        columns(L, 6, x, inverse)
+        C[m] = inverse[:6]
         unload(D[m], F, B[m], height[piece], length[piece], rest[m])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def flexibility(H, weight, stretch, wire, correction, B):
     """Write the flexibility (6, 6) of Eq. (12.16): by the sections as they are now, and what these miss of (2.4)."""
     area = 0.25 * np.pi * wire[2] ** 2 / stretch
@@ -82,7 +84,7 @@ def flexibility(H, weight, stretch, wire, correction, B):
             B[r, c] = total
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def unload(D, F, B, h, s, rest):
     """Move the measures at rest (6,) and F (6,) so that the elastic wire of flexibility B is loaded as before: the same
     pull, torque and end moments, the bow's share included, Eq. (12.14)."""
@@ -122,7 +124,7 @@ def unload(D, F, B, h, s, rest):
         rest[k] += before[k] - now[k]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def from_modes(D, h, s):
     """The chord measures as a tuple (6,): Eq. (3.13) the other way."""
     free = sqrt(s * s + h * h)
@@ -138,7 +140,7 @@ def from_modes(D, h, s):
     )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def from_pulls(pulls, h, s):
     """The end force as a tuple (6,) from what acts on the chord measures: `to_pulls` the other way."""
     free = sqrt(s * s + h * h)

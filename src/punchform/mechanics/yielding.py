@@ -29,7 +29,7 @@ LOWEST = 2.0**-30
 """The shortest fraction of a step that is tried."""
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def levered(H, lever, off, string, reach, out):
     """Write the statics (G, 4, 12) of a wire of length `reach` whose sections have moved by `off` (G, 2) from where
     they were made: from F, Eq. (12.10), and from the forces across the chord, Eq. (12.17)."""
@@ -43,7 +43,7 @@ def levered(H, lever, off, string, reach, out):
             out[g, 1, 6 + c] = out[g, 2, 9 + c] = root * string[g, c]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def section_forces(H, F, size, s):
     """Write s = H F (4,) of the first `size` forces."""
     for k in range(4):
@@ -53,7 +53,7 @@ def section_forces(H, F, size, s):
         s[k] = total
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def complementary(
     F, size, pull, H, share, past, curve, kinematic, wire, stretch, points, memory, B, s, strain, compliance,
     motion, soft,
@@ -74,50 +74,71 @@ def complementary(
     for g in range(len(H)):
         section_forces(H[g], F, size, s)
         potential = flow(s, past[g], curve, kinematic, wire, stretch, points, memory[g], strain, compliance)
-        if potential == 0.0:
-            continue
-        energy += share[g] * potential
-        for c in range(size):
-            for k in range(4):
-                motion[c] += share[g] * H[g, k, c] * strain[k]
-                carried = 0.0
-                for r in range(4):
-                    carried += compliance[k, r] * H[g, r, c]
-                carried *= share[g]
-                for r in range(c + 1):
-                    soft[r, c] += H[g, k, r] * carried
-    for c in range(size):
-        for r in range(c):
-            soft[c, r] = soft[r, c]
+        if potential != 0.0:
+            energy += share[g] * potential
+            add_flow(H[g], size, share[g], strain, compliance, motion, soft)
     return energy
 
 
-@njit(cache=True, nogil=True)
-def inverted(A, size, L, out):
-    """Write the inverse of the positive definite A (size, size), by its Cholesky factor L."""
+@njit(cache=True, nogil=True, error_model="numpy")
+def add_flow(H, size, share, strain, compliance, motion, soft):
+    """Add what flows in the section of statics H (4, 12) to motion (12,) and soft (12, 12)."""
+    for c in range(size):
+        for k in range(4):
+            motion[c] += share * H[k, c] * strain[k]
+        one, two, three, four = 0.0, 0.0, 0.0, 0.0
+        for r in range(4):
+            one += compliance[0, r] * H[r, c]
+            two += compliance[1, r] * H[r, c]
+            three += compliance[2, r] * H[r, c]
+            four += compliance[3, r] * H[r, c]
+        one, two, three, four = share * one, share * two, share * three, share * four
+        for r in range(size):
+            soft[c, r] += one * H[0, r] + two * H[1, r] + three * H[2, r] + four * H[3, r]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def factored(A, size, L):
+    """Write the Cholesky factor of the positive definite A (size, size) into L, its diagonal inverted; NaN where A is
+    not definite."""
     for k in range(size):
         for c in range(k + 1):
             total = A[k, c]
             for r in range(c):
                 total -= L[k, r] * L[c, r]
             if k == c:
-                L[k, k] = sqrt(total) if total > 0.0 else np.nan
+                L[k, k] = 1.0 / sqrt(total) if total > 0.0 else np.nan
             else:
-                L[k, c] = total / L[c, c]
-    for column in range(size):
-        for k in range(size):
-            total = 1.0 if k == column else 0.0
-            for r in range(k):
-                total -= L[k, r] * out[r, column]
-            out[k, column] = total / L[k, k]
-        for k in range(size - 1, -1, -1):
-            total = out[k, column]
-            for r in range(k + 1, size):
-                total -= L[r, k] * out[r, column]
-            out[k, column] = total / L[k, k]
+                L[k, c] = total * L[c, c]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
+def solved(L, size, right, x):
+    """Write the solution (size,) of A x = right by the factor that `factored` wrote."""
+    for k in range(size):
+        total = right[k]
+        for r in range(k):
+            total -= L[k, r] * x[r]
+        x[k] = total * L[k, k]
+    for k in range(size - 1, -1, -1):
+        x[k] *= L[k, k]
+        for r in range(k):
+            x[r] -= L[k, r] * x[k]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def columns(L, size, x, out):
+    """Write the first six columns of the inverse of A into out (12, 6), by its factor; x (12,) is work space."""
+    right = np.zeros(12)
+    for c in range(6):
+        right[c] = 1.0
+        solved(L, size, right, x)
+        right[c] = 0.0
+        for k in range(12):
+            out[k, c] = x[k] if k < size else 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def stays_elastic(H, F, past, curve, kinematic, wire, stretch, points, s):
     """Whether nothing flows in any section under the end force F."""
     for g in range(len(H)):
@@ -127,31 +148,33 @@ def stays_elastic(H, F, past, curve, kinematic, wire, stretch, points, s):
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def respond(
     first, last, kind, D, H, lever, weight, string, curve, kinematic, wire, points, off, stretch, pull, past, B, C,
-    memory, forces, stiffness, energies,
+    memory, forces, modes, hard, stiffness, energies,
 ):  # fmt: skip
     """Write forces (M, 12), whose first six are F, the derivatives of F with D, stiffness (M, 6, 6), and energies (M,)
-    of the elements from first to last, Eqs. (12.12) and (12.13). The forces also are where the search begins; the
-    energy is infinite where it fails."""
+    of the elements from first to last, Eqs. (12.12) and (12.13); the energy is infinite where the search fails.
+
+    It begins at the forces of the modes (M, 6) of an earlier call, NaN where none is known, moved by hard (M, 12, 6),
+    the derivative of the forces where they last flowed; both are overwritten.
+    """
     count = H.shape[1]
     own, share = np.empty((count, 4, 12)), np.empty(count)
     s, strain, compliance = np.empty(4), np.empty(4), np.empty((4, 4))
     motion, wanted, trial, step = np.empty(12), np.zeros(12), np.empty(12), np.empty(12)
-    soft, L, hard = np.empty((12, 12)), np.empty((12, 12)), np.empty((12, 12))
+    soft, L = np.empty((12, 12)), np.empty((12, 12))
     for m in range(first, last):
         reach = 0.0
         for g in range(count):
             share[g] = weight[kind[m], g] * stretch[m]
             reach += share[g]
         levered(H[kind[m]], lever[kind[m]], off[m], string, reach, own)
-        F, known = forces[m], False
+        F = forces[m]
         for k in range(6):
             wanted[k], trial[k] = D[m, k], 0.0
             for c in range(6):
                 trial[k] += C[m, k, c] * D[m, c]
-            known |= F[k] != 0.0
         if stays_elastic(own, trial, past[m], curve, kinematic, wire, stretch[m], points, s):
             energies[m] = 0.0
             for k in range(6):
@@ -159,44 +182,52 @@ def respond(
                 energies[m] += 0.5 * trial[k] * D[m, k]
                 for c in range(6):
                     stiffness[m, k, c] = C[m, k, c]
-            continue
-        size = 12 if pull[m] > 0.0 else 6
-        for k in range(12):
-            if k >= size or (k >= 6 and not known):
-                F[k] = 0.0
-            elif not known:
-                F[k] = trial[k]
-        energies[m] = largest(
-            F, size, pull[m], wanted, own, share, past[m], curve, kinematic, wire, stretch[m], points, memory[m], B[m],
-            s, strain, compliance, motion, trial, step, soft, L, hard,
-        )  # fmt: skip
-        for k in range(6):
+                    if np.isnan(modes[m, 0]):
+                        hard[m, k, c], hard[m, 6 + k, c] = C[m, k, c], 0.0
+        else:
+            size = 12 if pull[m] > 0.0 else 6
+            foretold(F, size, trial, D[m], modes[m], hard[m])
+            energies[m] = largest(
+                F, size, pull[m], wanted, own, share, past[m], curve, kinematic, wire, stretch[m], points, memory[m],
+                B[m], s, strain, compliance, motion, trial, step, soft, L,
+            )  # fmt: skip
+            columns(L, size, step, hard[m])
+            stiffness[m] = hard[m, :6]
+        modes[m] = D[m]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def foretold(F, size, trial, D, modes, hard):
+    """Move the forces F (12,) of the modes (6,) to where they are likely to be for D (6,); to the elastic ones `trial`
+    where nothing is known."""
+    for k in range(12):
+        if k >= size:
+            F[k] = 0.0
+        elif np.isnan(modes[0]):
+            F[k] = trial[k] if k < 6 else 0.0
+        else:
             for c in range(6):
-                stiffness[m, k, c] = hard[k, c]
+                F[k] += hard[k, c] * (D[c] - modes[c])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def largest(
     F, size, pull, wanted, H, share, past, curve, kinematic, wire, stretch, points, memory, B,
-    s, strain, compliance, motion, trial, step, soft, L, hard,
+    s, strain, compliance, motion, trial, step, soft, L,
 ):  # fmt: skip
     """Move F (12,) to where F·D - B*(F) is largest, Eq. (12.12), for the wanted modes D (12,); its value, or infinity
-    where none is found. Leaves the inverse of the last second derivative in hard (12, 12)."""
+    where none is found. Leaves the factor of the last second derivative in L (12, 12)."""
     stored = complementary(
         F, size, pull, H, share, past, curve, kinematic, wire, stretch, points, memory, B, s, strain,
         compliance, motion, soft,
     )  # fmt: skip
-    reached = -stored
-    for k in range(size):
-        reached += F[k] * wanted[k]
+    reached = dot(F, wanted, size) - stored
     for _ in range(STEPS):
-        inverted(soft, size, L, hard)
-        gain = 0.0
+        factored(soft, size, L)
         for k in range(size):
-            step[k] = 0.0
-            for c in range(size):
-                step[k] += hard[k, c] * (wanted[c] - motion[c])
-            gain += step[k] * (wanted[k] - motion[k])
+            trial[k] = wanted[k] - motion[k]
+        solved(L, size, trial, step)
+        gain = dot(step, trial, size)
         if gain <= EXACT * (abs(reached) + stored):
             return reached
         length = 1.0
@@ -207,12 +238,12 @@ def largest(
                 trial, size, pull, H, share, past, curve, kinematic, wire, stretch, points, memory, B, s,
                 strain, compliance, motion, soft,
             )  # fmt: skip
-            value = -stored
-            for k in range(size):
-                value += trial[k] * wanted[k]
+            value = dot(trial, wanted, size) - stored
             if value >= reached + 1e-4 * length * gain - 1e-14 * (abs(reached) + stored):
                 break
-            length *= 0.5
+            # The slope along the step has turned: its zero, as if it were straight.
+            slope = dot(step, wanted, size) - dot(step, motion, size)
+            length *= min(max(gain / (gain - slope), 0.1), 0.5) if slope < 0.0 else 0.5
         else:
             # Nothing but rounding is left where so little is to be gained.
             return reached if gain <= ROUNDING * (abs(reached) + stored) else np.inf
@@ -220,3 +251,12 @@ def largest(
             F[k] = trial[k]
         reached = value
     return reached if gain <= ROUNDING * (abs(reached) + stored) else np.inf
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def dot(a, b, size):
+    """The product of the first `size` numbers of both."""
+    total = 0.0
+    for k in range(size):
+        total += a[k] * b[k]
+    return total
