@@ -47,12 +47,13 @@ ROUGH = 1e-6
 class Formed(Solved):
     """The grid on the punch.
 
-    surface: of the punch; strokes: in which it went down; grip: what the holder did, None without one; draw_in:
-    largest inward move of a wire end [mm]. steps, factorisations and seconds are those of all strokes, history that of
-    the last.
+    surface: of the punch; held (N,): solved nodes that the clamp held, or the holder gripped; strokes: in which it went
+    down; grip: what the holder did, None without one; draw_in: largest inward move of a wire end [mm]. steps,
+    factorisations and seconds are those of all strokes, history that of the last.
     """
 
     surface: Surface
+    held: Bools
     strokes: tuple[Stroke, ...] = ()
     grip: Grip | None = None
 
@@ -328,4 +329,17 @@ def _formed(
     told = remarks(energy.grid, elements, done.whole, surface, case)
     gripped = () if down.grip is None else down.grip.notes
     strokes = down.strokes or (Stroke(1.0, solution.steps, solution.factorisations, done.energy, 0.0),)
-    return Formed(**{**vars(done), "notes": told + gripped}, surface=surface, strokes=strokes, grip=down.grip)
+    return Formed(
+        **{**vars(done), "notes": told + gripped},
+        surface=surface,
+        held=_held(energy),
+        strokes=strokes,
+        grip=down.grip,
+    )
+
+
+def _held(energy: Energy) -> Bools:
+    """The solved nodes (N,) that the clamp holds or the holder grips."""
+    assert isinstance(energy.kinematics, FreeFrames | Differences)
+    gripped = energy.friction is not None and energy.friction.capacity > 0
+    return np.asarray(energy.kinematics.held | gripped)

@@ -18,8 +18,10 @@ from punchform.mechanics.kinematics import FreeFrames
 from punchform.mechanics.newton import minimise
 from punchform.mechanics.outcome import Outcome, Solution
 from punchform.mechanics.rigid import free_motions
+from punchform.press import Formed
 from punchform.progress import Observer, silent
 from punchform.solved import Shaped, Solved, bars_of, joined, solved
+from punchform.springback import Springback, springback
 from punchform.stability import Stability, stability
 from punchform.whole import state_on, unfold_vectors
 from punchform.wire import Element
@@ -43,13 +45,15 @@ class Released(Solved):
     moved (N, 3): of the whole grid's nodes, from where the stage before left them [mm]; reactions (N, 3): what holds
     each node [N];
     held_nodes: nodes of the solved part that are held in any direction; stability: of the whole grid;
-    hold: what was held.
+    hold: what was held; split: what made it spring back, None where that is not told: after another stage than a
+    press, for wires not read from their chords, where the grid keeps no energy, and where it rests in no minimum.
     """
 
     moved: Floats
     reactions: Floats
     hold: Held
     stability: Stability
+    split: Springback | None = None
 
     @property
     def apex(self) -> float:
@@ -107,11 +111,13 @@ def release(
         # No grid has less energy than none: a negative eigenvalue is the rounding of a motion that costs nothing,
         # as the shear of a flat pinned grid.
         solution = replace(solution, outcome=Outcome.CONVERGED, negative_eigenvalues=0)
-        found = Stability(0, None)
-    else:
-        solution = replace(solution, state=energy.settled(solution.state))
-        found = stability(energy, solution.state, linear=solver.linear, negative=solution.negative_eigenvalues)
-    return _released(energy, solution, formed, elements, held, found, yield_strength)
+        return _released(energy, solution, formed, elements, held, Stability(0, None), yield_strength)
+    solution = replace(solution, state=energy.settled(solution.state))
+    found = stability(energy, solution.state, linear=solver.linear, negative=solution.negative_eigenvalues)
+    done = _released(energy, solution, formed, elements, held, found, yield_strength)
+    if not isinstance(formed, Formed) or solution.outcome is not Outcome.CONVERGED:
+        return done
+    return replace(done, split=springback(energy, formed, state, done.state, done.moved, linear=solver.linear))
 
 
 def free_energy(

@@ -195,6 +195,17 @@ class Energy:
         self._add_crossings(chart, G, None)
         return self._reduced(chart, elastic, G)
 
+    def gradient_of(self, chart: Chart, F: Floats) -> Floats:
+        """What end forces F (M, 6) alone do to the unknowns, (n,), of elements seen from their chords: Rᵀ Jᵀ F."""
+        elements, G = self.grid.elements, np.zeros((2 * self.grid.nodes, 6))
+        sweeps.models(
+            *(np.arange(elements), *self._of(chart.state), np.zeros((elements, 6, 6)), True, F, chart.R),
+            *(np.empty((0, 0), dtype=np.int32), sweeps.NO_HESSIAN, np.empty(elements), G, np.empty(0)),
+        )
+        gradient = np.zeros(self.kinematics.count)
+        sweeps.reduce(chart.R, G, self.kinematics.unknowns, gradient)
+        return gradient
+
     def model(self, chart: Chart, hessian: Hessian) -> Model:
         """Energy, gradient and the chosen Hessian on a chart."""
         pattern = self.pattern
