@@ -100,6 +100,7 @@ class FakeFormed:
     notes: tuple[str, ...] = ("the release of this case is not computed yet",)
     strokes: tuple[Stroke, ...] = ()
     grip: Grip | None = None
+    hardening: None = None
 
 
 @dataclass(frozen=True)
@@ -136,6 +137,8 @@ class FakeReleased:
     seconds: dict[str, float] = field(default_factory=lambda: {"total": 0.9})
     notes: tuple[str, ...] = ()
     largest_reaction: float = 4.2
+    hardening: None = None
+    split: None = None
 
     @property
     def apex(self) -> float:

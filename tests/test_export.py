@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 from fake_run import FakeOutcome, fake_run, let_go
+from stretched import dish
 
 from punchform.accuracy import MEASURES
 from punchform.arrays import Floats
 from punchform.export.result import result_json
 from punchform.export.tables import NODE_COLUMNS, WIRE_COLUMNS, nodes_csv, wires_csv
 from punchform.export.vtp import node_shear, poly_lines, write_vtp
+from punchform.store import read_run, write_run
 
 
 def table(text: str) -> tuple[list[str], Floats]:
@@ -202,3 +204,68 @@ def test_the_wires_of_the_released_stage_have_the_same_table() -> None:
 def test_the_vtk_file_is_valid_xml_whatever_the_names() -> None:
     text = poly_lines(np.zeros((2, 3)), np.array([[0, 1]]), {'a "b" <c>': np.zeros(2)}, {})
     assert ET.fromstring(text).find(".//PointData/DataArray").get("Name") == 'a "b" <c>'  # type: ignore[union-attr]
+
+
+# --- wires that yield ---------------------------------------------------------------------------------------
+
+
+def test_elastic_wires_have_the_files_they_had(tmp_path: Path) -> None:
+    run = let_go(fake_run(), lambda rho, angle: 0 * rho, release={"hold": "rim"})
+    content = strict(result_json(run))
+    assert not {"plastic", "springback"} & (content["formed"].keys() | content["released"].keys())
+    assert wires_csv(run.formed).splitlines()[0] == ",".join(WIRE_COLUMNS)
+    write_vtp(tmp_path / "shape.vtp", run.formed)
+    assert "plastic" not in (tmp_path / "shape.vtp").read_text("ascii")
+
+
+def test_every_stage_of_wires_that_yield_says_what_flowed() -> None:
+    run = dish()
+    content = strict(result_json(run))
+    assert run.released is not None
+    for name, stage in (("formed", run.formed), ("released", run.released)):
+        told, whole = content[name]["plastic"], stage.whole
+        assert told["max_plastic_strain"] == whole.plastic_strain.max() > 0
+        assert told["max_elongation"] == content[name]["max_axial_strain"]
+        assert told["max_thinning"] == pytest.approx(1 - whole.stretch.max() ** -0.5)
+        assert told["yielded_share"] == np.mean(whole.plastic_strain > 0)
+        assert told["flow_work_mJ"] > content[name]["energy_mJ"]
+        breaks_at = stage.hardening.breaks_at if stage.hardening else None
+        assert breaks_at is not None
+        assert told["strain_to_break"] == pytest.approx(np.log1p(whole.axial_strain.max()) / breaks_at)
+    assert content["released"]["plastic"]["flow_work_mJ"] >= content["formed"]["plastic"]["flow_work_mJ"]
+
+
+def test_a_law_that_does_not_say_where_the_wire_breaks_is_null() -> None:
+    formed = dish().formed
+    assert formed.hardening is not None
+    silent = replace(formed, hardening=replace(formed.hardening, breaks_at=None))
+    assert strict(result_json(replace(dish(), formed=silent)))["formed"]["plastic"]["strain_to_break"] is None
+
+
+def test_the_springback_is_written_in_its_parts() -> None:
+    run = dish()
+    told = strict(result_json(run))["released"]["springback"]
+    assert list(told) == ["membrane", "bending", "rim", "remainder", "total"]
+    parts = [told[name]["apex_mm"] for name in ("membrane", "bending", "rim", "remainder")]
+    assert sum(parts) == pytest.approx(told["total"]["apex_mm"], abs=1e-12)
+    assert run.released is not None
+    assert told["total"]["apex_mm"] == pytest.approx(run.released.apex, abs=1e-12)
+
+
+def test_tables_and_shape_have_stretch_and_plastic_strain_at_their_end(tmp_path: Path) -> None:
+    run = dish()
+    whole = run.formed.whole
+    names, values = table(wires_csv(run.formed))
+    assert names == [*WIRE_COLUMNS, "stretch", "plastic_strain"]
+    assert sorted(values[:, -1]) == pytest.approx(sorted(whole.plastic_strain), rel=1e-12)
+    stored = read_run(write_run(run, tmp_path / "dish"))
+    assert stored.wires["stretch"].max() == pytest.approx(whole.stretch.max(), rel=1e-14)
+    assert stored.wires_released is not None
+    assert run.released is not None
+    assert stored.wires_released["plastic_strain"].max() == pytest.approx(
+        run.released.whole.plastic_strain.max(), rel=1e-14
+    )
+    found = ET.fromstring((stored.folder / "shape.vtp").read_text("ascii")).findall(".//CellData/DataArray")
+    arrays = {one.get("Name"): np.frombuffer(base64.b64decode(one.text or "")[8:]) for one in found}
+    np.testing.assert_array_equal(arrays["stretch"], whole.stretch)
+    np.testing.assert_array_equal(arrays["plastic_strain"], whole.plastic_strain)

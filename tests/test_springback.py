@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
 from small_grids import PUNCH, STEP, Plane, grid, wires
+from stretched import KEPT, dish
 
 from punchform.arrays import Floats
 from punchform.case import CrossingSpring, ParaboloidProfile, PressCase, PunchCase, ReleaseCase
-from punchform.case.reading import case_from_text
 from punchform.case.release import Hold, HoldFrom, HoldNodes, HoldPoints
 from punchform.mechanics.assembly import Energy, Hessian
 from punchform.mechanics.kinematics import spread
@@ -20,40 +19,13 @@ from punchform.prepare import prepare
 from punchform.press import Formed, press
 from punchform.punch import Surface, surface
 from punchform.release import Released, free_energy, release
-from punchform.run import Run, run
+from punchform.run import Run
 from punchform.springback import Springback, pulls
 from punchform.whole import unfold_vectors
 from punchform.wire import Element
 
-DISH = """
-schema = 1
-[grid]
-step = "10 mm"
-blank = { shape = "circle", radius = "70 mm" }
-CROSSING
-[wire]
-material = "304 annealed"
-diameter = "0.75 mm"
-[punch]
-profile = { kind = "paraboloid", focal_length = "60 mm" }
-rim_radius = "60 mm"
-fillet = "20 mm"
-[press]
-RIM
-strokes = 4
-[release]
-hold = HOLD
-"""
-KEPT = '{ from_radius = "60 mm" }'
 RADIUS, RIM = 5.2 * STEP, 4.0 * STEP
 SPRING = CrossingSpring(stiffness=300.0)
-
-
-@cache
-def dish(hold: str = KEPT, rim: str = 'rim = "clamp"', crossing: str = "") -> Run:
-    """A small dish of wires that yield, formed and let go."""
-    text = DISH.replace("HOLD", hold).replace("RIM", rim).replace("CROSSING", crossing)
-    return run(case_from_text(text))
 
 
 def parts(done: Run) -> tuple[Formed, Released, Springback]:

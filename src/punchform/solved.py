@@ -16,7 +16,7 @@ from punchform.mechanics.frames import State
 from punchform.mechanics.history import Yielding
 from punchform.mechanics.outcome import Outcome, Solution, Step
 from punchform.whole import Whole, unfold
-from punchform.wire import Element, axial_compliance, stations, stress
+from punchform.wire import Element, Hardening, axial_compliance, stations, stress
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,8 @@ class Shaped:
     """A grid in a shape: what all stages tell. Energies [mJ] are of the whole grid.
 
     energy_kinds: stretch ½ D1 F1, bend ½ (D3 F3 + D5 F5), in_plane ½ (D2 F2 + D6 F6), twist ½ D4 F4, and what the
-    crossing springs hold. grid and state are of the solved part, `whole` is the whole grid.
+    crossing springs hold. grid and state are of the solved part, `whole` is the whole grid; hardening: how the wires
+    yield, None for elastic ones.
     """
 
     grid: Grid
@@ -33,6 +34,7 @@ class Shaped:
     energy: float
     energy_kinds: dict[str, float]
     notes: tuple[str, ...]
+    hardening: Hardening | None
 
     @property
     def solved_nodes(self) -> int:
@@ -63,6 +65,19 @@ class Shaped:
     def yielded(self) -> float:
         """Share of the wire pieces in which something has flowed."""
         return float((self.whole.plastic_strain > 0).mean())
+
+    @property
+    def strain_to_break(self) -> float | None:
+        """Largest true strain of a wire over that at which it breaks, Eq. (12.34); None where nobody says that."""
+        if self.hardening is None or self.hardening.breaks_at is None:
+            return None
+        return float(np.log1p(self.max_axial_strain)) / self.hardening.breaks_at
+
+    @property
+    def flow_work(self) -> float:
+        """Work that flow has taken from the whole grid up to now [mJ]."""
+        history = self.state.history
+        return 0.0 if history is None else float(self.grid.copies * (history.work @ self.grid.weight))
 
 
 @dataclass(frozen=True)
@@ -147,6 +162,7 @@ def solved(
         linear_solver=solution.linear_solver,
         seconds=solution.seconds,
         notes=(),
+        hardening=elements[0].hardening,
     )
 
 

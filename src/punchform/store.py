@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from punchform.errors import InputError
 from punchform.export.result import result_json
-from punchform.export.tables import NODE_COLUMNS, WIRE_COLUMNS, write_nodes, write_wires
+from punchform.export.tables import NODE_COLUMNS, PLASTIC_COLUMNS, WIRE_COLUMNS, write_nodes, write_wires
 from punchform.export.told import released_on, told, with_the_rest
 from punchform.export.vtp import write_vtp
 from punchform.whole import places_in
@@ -38,7 +38,8 @@ class StoredRun:
 
     Attributes: folder; result, the content of result.json; nodes and wires, structured arrays with the
     columns of nodes.csv and wires.csv as fields (`stored.nodes["x"]` is (N,) in mm), NaN where the file has
-    an empty cell; wires_released, the same of the released stage, None without one.
+    an empty cell; wires of a run whose wires yield also have `stretch` and `plastic_strain`; wires_released,
+    the same of the released stage, None without one.
     """
 
     folder: Path
@@ -135,9 +136,9 @@ def read_run(folder: str | Path) -> StoredRun:
             where=str(folder),
             hint="give the folder that `punchform form CASE -o FOLDER` wrote",
         )
-    nodes, wires = _read_table(path / NODES, NODE_COLUMNS), _read_table(path / WIRES, WIRE_COLUMNS)
+    nodes, wires = _read_table(path / NODES, NODE_COLUMNS), _read_wires(path / WIRES)
     after = path / WIRES_RELEASED
-    return StoredRun(path, content, nodes, wires, _read_table(after, WIRE_COLUMNS) if after.exists() else None)
+    return StoredRun(path, content, nodes, wires, _read_wires(after) if after.exists() else None)
 
 
 def _keep_precious(path: Path, where: str) -> None:
@@ -229,16 +230,24 @@ def _read_result(folder: Path) -> dict[str, Any] | None:
     return None
 
 
-def _read_table(path: Path, columns: tuple[str, ...]) -> NDArray[np.void]:
-    """A CSV file of numbers with exactly these columns as a structured array; empty cells are NaN."""
-    kinds = np.dtype([(name, np.int64 if name in _WHOLE_NUMBERS else np.float64) for name in columns])
+def _read_wires(path: Path) -> NDArray[np.void]:
+    """The table of elastic wires, or of those that yield, which has further columns."""
+    return _read_table(path, WIRE_COLUMNS, PLASTIC_COLUMNS)
+
+
+def _read_table(path: Path, columns: tuple[str, ...], further: tuple[str, ...] = ()) -> NDArray[np.void]:
+    """A CSV file of numbers with exactly these columns, and with the further ones or none of them, as a structured
+    array; empty cells are NaN."""
     try:
         head, *rows = path.read_text(encoding="utf-8").splitlines()
+        if further and head == ",".join((*columns, *further)):
+            columns += further
         if head != ",".join(columns):
             raise ValueError("the header is not " + ",".join(columns))
         if not rows:
             raise ValueError("it has no rows")
         filled = [_fill(row) for row in rows]
+        kinds = np.dtype([(name, np.int64 if name in _WHOLE_NUMBERS else np.float64) for name in columns])
         table: NDArray[np.void] = np.loadtxt(filled, dtype=kinds, delimiter=",", ndmin=1)
     except OSError as problem:
         raise InputError.of(f"cannot be read: {problem.strerror}", where=str(path)) from problem

@@ -79,6 +79,7 @@ def trim(
         energy=rest.energy,
         energy_kinds=rest.energy_kinds,
         notes=_remarks(stage.whole, all_kept, radius, int(spread_over(grid, hanging).sum())),
+        hardening=stage.hardening,
         radius=radius,
         crossings_cut=stage.whole.crossings - whole.crossings,
         pieces_cut=len(stage.whole.family) - len(whole.family),

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from punchform.release import Released
     from punchform.run import Run, Stage
     from punchform.solved import Shaped, Solved
+    from punchform.springback import Springback
     from punchform.trim import Trimmed
 
 RESULT_SCHEMA = 1
@@ -134,6 +135,15 @@ def _released(released: Released) -> dict[str, object]:
         "held_nodes": released.hold.count,
         "largest_reaction_N": released.largest_reaction,
         "negative_eigenvalues_of_whole": released.stability.negative,
+        **({} if released.split is None else {"springback": _springback(released.split)}),
+    }
+
+
+def _springback(split: Springback) -> dict[str, object]:
+    """The parts of Eqs. (12.50) and (12.51)."""
+    return {
+        name: {"rms_mm": share.rms, "apex_mm": share.apex, "largest_mm": share.largest}
+        for name, share in vars(split).items()
     }
 
 
@@ -157,6 +167,23 @@ def shape_result(stage: Shaped) -> dict[str, object]:
         "energy_kinds_mJ": stage.energy_kinds,
         "max_stress_MPa": largest(stage.whole.stress),
         "max_stress_ratio": largest(stage.whole.stress_ratio),
+        **_plastic(stage),
+    }
+
+
+def _plastic(stage: Shaped) -> dict[str, object]:
+    """What flowing has left in wires that yield; nothing of elastic ones."""
+    if stage.hardening is None:
+        return {}
+    return {
+        "plastic": {
+            "max_plastic_strain": stage.max_plastic_strain,
+            "max_elongation": stage.max_axial_strain,
+            "max_thinning": stage.max_thinning,
+            "yielded_share": stage.yielded,
+            "strain_to_break": stage.strain_to_break,
+            "flow_work_mJ": stage.flow_work,
+        }
     }
 
 
@@ -176,6 +203,7 @@ def stage_result(stage: Solved) -> dict[str, object]:
         "linear_solver": stage.linear_solver,
         "max_stress_MPa": largest(stage.whole.stress),
         "max_stress_ratio": largest(stage.whole.stress_ratio),
+        **_plastic(stage),
         "history": [
             {
                 "number": step.number,

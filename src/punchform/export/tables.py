@@ -19,6 +19,8 @@ WIRE_COLUMNS = (
     *(f"F{k}" for k in range(1, 7)),
     *("energy_mJ", "axial_strain", "stress_ratio"),
 )
+PLASTIC_COLUMNS = ("stretch", "plastic_strain")
+"""Further columns of wires that yield."""
 _ROWS_AT_ONCE = 20_000
 
 
@@ -43,15 +45,20 @@ def wires_csv(stage: Solved) -> str:
     (i, j) of its end O; of a wire cut between crossings one row per piece, from O outwards, all with its (i, j).
 
     Columns: D1-D6 [mm, rad] and F1-F6 [N, N mm] in element axes (Eq. (2.1), P(3)), energy [mJ], axial strain,
-    stress_ratio = largest stress over the yield strength (empty when either is unknown).
+    stress_ratio = largest stress over the yield strength (empty when either is unknown). Of wires that yield also
+    stretch = length of the unloaded wire over that of the new one, and the largest plastic strain of a section.
     """
     whole = stage.whole
     start = whole.index[whole.start]
     outwards = np.sum(whole.flat[whole.end] - whole.flat[whole.start], axis=1) > 0
     order = np.lexsort((whole.between[whole.start], outwards, start[:, 1], start[:, 0], whole.family))
     labels = np.column_stack((whole.family, start))
+    columns: tuple[str, ...] = WIRE_COLUMNS
     values = np.column_stack((whole.D, whole.F, whole.energy, whole.axial_strain, whole.stress_ratio))
-    return _csv(WIRE_COLUMNS, labels[order], values[order])
+    if stage.hardening is not None:
+        columns += PLASTIC_COLUMNS
+        values = np.column_stack((values, whole.stretch, whole.plastic_strain))
+    return _csv(columns, labels[order], values[order])
 
 
 def write_nodes(path: Path, formed: Solved, released: Floats | None = None) -> None:

@@ -39,7 +39,8 @@ def write_vtp(
     Point data: i, j, flat, displacement (formed - flat), normal (of the node frame), contact_force [N], shear [rad]
     (mean of the cells around the node, NaN without a cell), and released, springback (released - formed) when given;
     with `accuracy` deviation_axial, deviation_normal and deviation_half_path in the alignment that is judged, also
-    outside the aperture; lengths in mm. Cell data per element: family, axial_force F1 [N], axial_strain, energy [mJ].
+    outside the aperture; lengths in mm. Cell data per element: family, axial_force F1 [N], axial_strain, energy [mJ];
+    of wires that yield also stretch and plastic_strain.
     judged (N,): which of the nodes that the accuracy is told of each one is, -1 for none, when they are not the same.
     Raises OSError.
     """
@@ -67,6 +68,8 @@ def write_vtp(
         "axial_strain": whole.axial_strain,
         "energy": whole.energy,
     }
+    if formed.hardening is not None:
+        wires |= {"stretch": whole.stretch, "plastic_strain": whole.plastic_strain}
     lines = np.column_stack((whole.start, whole.end))
     path.write_text(poly_lines(whole.positions, lines, points, wires), encoding="ascii", newline="\n")
 
