@@ -20,6 +20,7 @@ from punchform.run import Run, run
 from punchform.store import RESULT, check_folder, write_run
 
 if TYPE_CHECKING:
+    from punchform.release import Released
     from punchform.trim import Trimmed
 
 
@@ -60,7 +61,7 @@ def summary(done: Run, folder: Path) -> str:
         "energy": f"{formed.energy:.7g} mJ",
         "effort": _effort(formed),
         "largest shear": f"{math.degrees(formed.max_shear):.3g} deg",
-        "largest strain": f"{100 * formed.max_axial_strain:.3g} % by the pull along a wire",
+        **_strain(formed),
         "largest stress": _stress(formed),
         "draw-in": f"{formed.draw_in:.3g} mm",
         **_holder(formed),
@@ -81,6 +82,7 @@ def after(done: Run) -> dict[str, str]:
             f"{gone.energy:.7g} mJ left; apex {gone.apex:+.3g} mm, lowest {gone.max_sag:+.3g} mm at ({i}, {j}); "
             f"{gone.factorisations} factorisations, {gone.seconds['total']:.2f} s"
         )
+        facts |= _springback(gone)
     if shown.loaded is not None:
         facts["loaded"] = f"{shown.loaded.load:.4g} N move the shape by {shown.loaded.rms_deflection:.3g} mm rms"
     if done.accuracy is not None:
@@ -106,6 +108,31 @@ def _stages(done: Run) -> dict[str, str]:
     return {"stages": ", ".join(stage.name for stage in done.stages)} | {
         name: f"{cut.crossings_cut} crossings beyond {cut.radius:g} mm cut off, {cut.whole.crossings} left"
         for name, cut in trims.items()
+    }
+
+
+def _strain(formed: Formed) -> dict[str, str]:
+    """The largest strain of elastic wires; of those that yield how much longer they are, and what has flowed."""
+    longest = f"{100 * formed.max_axial_strain:.3g} %"
+    if formed.hardening is None:
+        return {"largest strain": f"{longest} by the pull along a wire"}
+    share = formed.strain_to_break
+    used = "" if share is None else f", {100 * share:.3g} % of the true strain at which it necks"
+    flowed = f"{100 * formed.yielded:.3g} % of the wire pieces have yielded"
+    return {
+        "elongation": f"up to {longest} along a wire{used}",
+        "plastic strain": f"up to {100 * formed.max_plastic_strain:.3g} %; {flowed}",
+    }
+
+
+def _springback(gone: Released) -> dict[str, str]:
+    """Where the springback comes from, where that is known."""
+    if gone.split is None:
+        return {}
+    let = f", by the rim {gone.split.rim.rms:.3g}" if gone.split.rim.largest else ""
+    return {
+        "springback": f"{gone.split.total.rms:.3g} mm rms; by the pull {gone.split.membrane.rms:.3g}, by bending "
+        f"{gone.split.bending.rms:.3g}{let}"
     }
 
 

@@ -171,8 +171,9 @@ def _by_hold(run: Run, accuracy: Accuracy) -> str:
             f"back. Try {further}."
         )
     if hold == "nothing":
+        back = "" if run.formed.hardening else "elastic wires that nothing holds go back to the flat grid, and "
         return (
-            "Hold it: elastic wires that nothing holds go back to the flat grid, and nothing says where that stands. "
+            f"Hold it: {back}nothing says where a grid stands that nothing holds. "
             f'Try {further}, or `release.hold = "rim"`.'
         )
     return f"Hold directions too: this hold lets the wires turn where they are held. Try {further}."

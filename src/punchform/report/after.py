@@ -17,6 +17,7 @@ from punchform.report.figures.deviation import parts_of
 from punchform.report.release_words import hold_words
 from punchform.report.section import Matrix, Rows, Section, Tables
 from punchform.report.words import energy, percent, size
+from punchform.report.yielding import springback_tables
 
 if TYPE_CHECKING:
     from punchform.release import Released
@@ -190,6 +191,7 @@ def _released(run: Run) -> tuple[Section, ...]:
             "released",
             "Release: the punch has gone",
             warnings=released.notes,
+            matrices=springback_tables(released),
             tables=(("Shape and holds", _shape_rows(run, released)), ("Wires and solve", _wire_rows(run, released))),
         ),
     )

@@ -27,6 +27,7 @@ from punchform.report.section import Images, Section, Tables
 from punchform.report.section import Rows as Rows
 from punchform.report.stages import stage_sections
 from punchform.report.words import energy, percent, size, verdict
+from punchform.report.yielding import yielding_sections
 
 if TYPE_CHECKING:
     from punchform.case import Case
@@ -75,7 +76,7 @@ def page(run: Run, images: Images) -> str:
         lead=accuracy_lead(left),
         advice=advice(left),
         verdict=(*release_words(left), *load_words(left), *press_words(told(run))),
-        sections=(*stage_sections(run), *after_sections(left)),
+        sections=(*stage_sections(run), *after_sections(left), *yielding_sections(told(run))),
         results=(("In the tool", _result_rows(run)), ("Grid and tool", _grid_rows(run))),
         details_title="Energy and solve",
         details=(
@@ -175,7 +176,10 @@ def _result_rows(run: Run) -> Rows:
         ("Largest shear angle", size(math.degrees(formed.max_shear), "°", 4)),
         ("Largest draw-in of the edge", size(formed.draw_in, "mm")),
         ("Axial force in the wires", span(float(force.min()), float(force.max()), "N")),
-        ("Largest strain of a wire by its pull", percent(formed.max_axial_strain)),
+        (
+            "Largest elongation of a wire" if formed.hardening else "Largest strain of a wire by its pull",
+            percent(formed.max_axial_strain),
+        ),
         ("Largest stress", "not known" if stress is None else size(stress, "MPa")),
         ("Largest stress / yield strength", "not known" if ratio is None else size(ratio, "", 3)),
         ("Contact force on a node", span(float(contact.min()), float(contact.max()), "N")),

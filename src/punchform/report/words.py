@@ -108,10 +108,14 @@ def _wires(formed: Formed) -> str:
     parts = [f"pulled by up to {size(pull, 'N', 3)}"] if pull > 0 else []
     parts += [f"pressed by up to {size(-press, 'N', 3)}"] if press < 0 else []
     forces = " and ".join(parts) or "without axial force"
+    if formed.hardening is not None:
+        return f"The wires are {forces}, and up to {percent(strain)} longer than in the flat blank."
     return f"The wires are {forces} (largest strain by the pull {percent(strain)})."
 
 
 def _yield(run: Run) -> str:
+    if run.formed.hardening is not None:
+        return _flowed(run.formed)
     whole = run.formed.whole
     known = np.isfinite(whole.stress)
     if not known.any():
@@ -131,6 +135,23 @@ def _yield(run: Run) -> str:
         f"{most}: {share}; {over} of {len(whole.stress)} wire segments would yield, "
         "which this elastic answer does not follow."
     )
+
+
+def _flowed(formed: Formed) -> str:
+    """What wires that yield have come to, and how near they are to breaking."""
+    if not formed.yielded:
+        return "No wire yields: the grid stays elastic and would spring back."
+    said = (
+        f"{percent(formed.yielded)} of the wire pieces have yielded, with a plastic strain of up to "
+        f"{percent(formed.max_plastic_strain)} in a bend or along the wire; this is what keeps the shape when the "
+        "punch has gone."
+    )
+    share = formed.strain_to_break
+    if share is None:
+        return f"{said} Where the wire breaks its flow curve does not say."
+    if share >= 1:
+        return f"{said} Stretched to {size(share, '', 3)} times the true strain at which it necks, the wire breaks."
+    return f"{said} The wire is stretched to {percent(share)} of the true strain at which it necks and breaks."
 
 
 def _contact(formed: Formed) -> str:

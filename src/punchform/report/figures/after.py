@@ -118,8 +118,7 @@ def released_pictures(run: Run) -> tuple[Picture, ...]:
             Picture(
                 "stress_released",
                 "Stress in the wires after the release",
-                "The largest stress in each wire piece, both families. Dark rings are bends that the holds keep; the "
-                "mesh springs back further when those yield or are let go.",
+                _left_in_wires(run),
                 partial(draw_stress, whole=released.whole),
             )
         )
@@ -149,6 +148,19 @@ def loaded_pictures(run: Run) -> tuple[Picture, ...]:
             draw_deflection,
             section="loaded",
         ),
+    )
+
+
+def _left_in_wires(run: Run) -> str:
+    """How to read the stress after the release."""
+    if run.formed.hardening is not None:
+        return (
+            "The largest stress in each wire piece, both families: what flowing has locked in, and in dark rings the "
+            "bends that the holds keep."
+        )
+    return (
+        "The largest stress in each wire piece, both families. Dark rings are bends that the holds keep; the "
+        "mesh springs back further when those yield or are let go."
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ from punchform.report.figures.after import accuracy_pictures, loaded_pictures, r
 from punchform.report.figures.axial import draw_axial
 from punchform.report.figures.contact import draw_contact
 from punchform.report.figures.picture import Picture as Picture
+from punchform.report.figures.plastic import yielding_pictures
 from punchform.report.figures.progress import draw_progress
 from punchform.report.figures.sections import draw_sections
 from punchform.report.figures.shape import draw_shape
@@ -20,6 +22,11 @@ from punchform.report.figures.stress import draw_stress
 if TYPE_CHECKING:
     from punchform.run import Run
 
+HARDENED = (
+    "Plan view. The largest stress in each wire piece, both families, as if each section had yielded throughout. Where "
+    "it is above the yield strength the wire has hardened."
+)
+"""How to read the stress of wires that yield."""
 
 GALLERY = (
     Picture(
@@ -93,5 +100,12 @@ def gallery(run: Run) -> tuple[Picture, ...]:
         missing |= {"shape", "shear"}
     if not np.isfinite(run.formed.whole.stress).any():
         missing |= {"stress"}
-    after = (*accuracy_pictures(run), *released_pictures(run), *loaded_pictures(run))
-    return (*after, *(picture for picture in GALLERY if picture.name not in missing))
+    after = (*accuracy_pictures(run), *released_pictures(run), *loaded_pictures(run), *yielding_pictures(run))
+    return (*after, *(_fitting(run, picture) for picture in GALLERY if picture.name not in missing))
+
+
+def _fitting(run: Run, picture: Picture) -> Picture:
+    """The picture with the caption that fits the wire: an elastic answer does not follow what yields."""
+    if picture.name != "stress" or run.formed.hardening is None:
+        return picture
+    return replace(picture, caption=HARDENED)

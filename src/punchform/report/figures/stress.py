@@ -1,4 +1,4 @@
-"""Plan of the grid with the largest stress in every wire piece."""
+"""Plans of the grid with a figure of every wire piece: its largest stress, or what has flowed in it."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
+from punchform.arrays import Floats
 from punchform.report.figures.style import (
     HALF,
     PAPER,
@@ -31,13 +32,18 @@ def draw_stress(run: Run, whole: Whole | None = None) -> Figure:
     whole: the grid in the stage to be shown, the formed one unless given.
     """
     whole = whole or run.formed.whole
-    known = np.isfinite(whole.stress)
+    return draw_pieces(run, whole, whole.stress, "largest stress in the wire [MPa]")
+
+
+def draw_pieces(run: Run, whole: Whole, values: Floats, label: str) -> Figure:
+    """Every element of both families as a line coloured by its value (M,), from zero; without those not known."""
+    known = np.isfinite(values)
     segments = whole.positions[np.column_stack((whole.start, whole.end))[known]][:, :, :2]
-    scale = from_zero(whole.stress[known])
+    scale = from_zero(values[known])
     figure = new_figure(*HALF)
     axes = plan_axes(figure, points=whole.positions, rim=run.case.rim_radius)
     axes.set_facecolor(PAPER)
     width = 0.6 * wire_width(axes, min(run.case.grid.step))
-    axes.add_collection(in_colour(segments, whole.stress[known], scale, SEQUENTIAL, width=width))
-    colour_bar(figure, PLAN_BAR, scale, SEQUENTIAL, "largest stress in the wire [MPa]")
+    axes.add_collection(in_colour(segments, values[known], scale, SEQUENTIAL, width=width))
+    colour_bar(figure, PLAN_BAR, scale, SEQUENTIAL, label)
     return figure
