@@ -116,6 +116,16 @@ def test_the_springback_is_told_in_its_parts(hold: str, parts: int) -> None:
     assert shown["released"] == (table,)
 
 
+def test_elastic_wires_are_not_told_to_stretch_further() -> None:
+    run = dish()
+    assert run.released is not None
+    (told,) = springback_tables(run.released)
+    (elastic,) = springback_tables(replace(run.released, hardening=None))
+    assert told.note.startswith(elastic.note)
+    assert "stretched" in told.note
+    assert "stretched" not in elastic.note
+
+
 def test_a_release_that_was_not_split_has_no_table() -> None:
     run = dish()
     assert run.released is not None
@@ -134,6 +144,9 @@ def test_the_summary_of_the_command_tells_of_elongation_and_springback() -> None
     assert f"{100 * run.formed.max_axial_strain:.3g} %" in lines["elongation"]
     assert f"{100 * run.formed.max_plastic_strain:.3g} %" in lines["plastic strain"]
     assert "by the rim" in lines["springback"]
+    assert run.released is not None
+    assert run.released.split is not None
+    assert lines["springback"].endswith(f"not told apart {run.released.split.remainder.rms:.3g}")
     assert "largest strain" not in lines
     assert "by the rim" not in summary(dish(), Path("out"))
 

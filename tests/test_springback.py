@@ -187,6 +187,18 @@ def test_a_quarter_and_the_whole_grid_let_go_of_it_tell_the_same() -> None:
         assert (mine.rms, mine.apex) == pytest.approx((theirs.rms, theirs.apex), rel=1e-6)
 
 
+@pytest.mark.parametrize("hold", [KEPT, '"rim"'])
+def test_all_end_forces_together_are_the_gradient(hold: str) -> None:
+    done = dish(hold)
+    energy, F = energy_of(done)
+    chart = energy.kinematics.chart(done.formed.state)
+    whole = energy.gradient(chart).gradient
+    np.testing.assert_allclose(energy.gradient_of(chart, F), whole, rtol=0, atol=1e-9 * np.abs(whole).max())
+    part = pulls(energy, F)
+    halves = energy.gradient_of(chart, part) + energy.gradient_of(chart, F - part)
+    np.testing.assert_allclose(halves, whole, rtol=0, atol=1e-9 * np.abs(whole).max())
+
+
 def test_the_pull_of_a_wire_is_along_its_chord() -> None:
     energy, F = energy_of(dish())
     mine = pulls(energy, F)

@@ -132,7 +132,7 @@ def _springback(gone: Released) -> dict[str, str]:
     let = f", by the rim {gone.split.rim.rms:.3g}" if gone.split.rim.largest else ""
     return {
         "springback": f"{gone.split.total.rms:.3g} mm rms; by the pull {gone.split.membrane.rms:.3g}, by bending "
-        f"{gone.split.bending.rms:.3g}{let}"
+        f"{gone.split.bending.rms:.3g}{let}, not told apart {gone.split.remainder.rms:.3g}"
     }
 
 

@@ -26,10 +26,13 @@ CAUSES = {
 NOTE = (
     "The punch goes first: the pull shortens the wires, their bending straightens them. Then the rim goes, if it does. "
     "Each is what a small springback would do; what that misses is the line before the last, and where it is large the "
-    "others say little. Moves add up, their rms does not, since parts may work against each other. What bending does "
-    "gets less the further the wires are stretched; what the pull does stays, and another profile of the punch can "
-    "answer it."
+    "others say little. Moves add up, their rms does not, since parts may work against each other."
 )
+STRETCHED = (
+    " What bending does gets less the further the wires are stretched; what the pull does stays, and another profile "
+    "of the punch can answer it."
+)
+"""What to do about it, with wires that yield."""
 
 
 def yielding_sections(run: Run) -> tuple[Section, ...]:
@@ -56,7 +59,8 @@ def springback_tables(released: Released) -> tuple[Matrix, ...]:
         if name != "rim" or shares[name].largest
     ]
     head = ("what moves the grid", "rms along the normals", "middle", "longest move")
-    return (Matrix("What makes it spring back", head, tuple(rows), (len(rows) - 1,), NOTE),)
+    note = NOTE if released.hardening is None else NOTE + STRETCHED
+    return (Matrix("What makes it spring back", head, tuple(rows), (len(rows) - 1,), note),)
 
 
 def _column(run: Run, stage: Solved) -> Rows:
