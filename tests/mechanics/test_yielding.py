@@ -67,6 +67,11 @@ class Wire:
         answer = self.law.respond(self.past, self.kind, D[None].copy(), begin, 1)
         return answer.F[0].copy(), answer.stiffness[0], float(answer.energies[0])
 
+    def slopes(self, D: Floats, way: Floats) -> tuple[Floats, float]:
+        """How end force and energy change along a way from D, by differences."""
+        force = slope_and_curvature(lambda h: self.at(D + h * way)[0], 1e-4)[0]
+        return force, float(slope_and_curvature(lambda h: self.at(D + h * way)[2], 1e-4)[0])
+
     def keep(self, D: Floats) -> Floats:
         """End the stroke at D; returns the modes that the same place has from the new rest, Eq. (12.14)."""
         h, s = self.law.height[0], self.law.length[0]
@@ -94,9 +99,8 @@ def test_end_force_and_tangent_are_derivatives_of_the_energy(points: Floats, hei
     for _ in range(4):
         D, way = any_modes(rng), any_modes(rng)
         F, stiffness, _ = one.at(D)
-        work = slope_and_curvature(lambda h, D=D, way=way: one.at(D + h * way)[2], 1e-4)[0]
-        assert float(work) == pytest.approx(F @ way, rel=1e-6, abs=1e-6 * np.abs(F * way).sum())
-        slope = slope_and_curvature(lambda h, D=D, way=way: one.at(D + h * way)[0], 1e-4)[0]
+        slope, work = one.slopes(D, way)
+        assert work == pytest.approx(F @ way, rel=1e-6, abs=1e-6 * np.abs(F * way).sum())
         np.testing.assert_allclose(stiffness @ way, slope, rtol=0, atol=1e-6 * np.abs(law.C[0] @ way).max())
         np.testing.assert_allclose(stiffness, stiffness.T, rtol=0, atol=1e-9 * np.abs(stiffness).max())
         assert np.linalg.eigvalsh(stiffness).min() > 0
