@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -84,6 +84,11 @@ class Wire:
         now[0] += chord.bow(tuple(now[1:5]), free) - chord.bow(tuple(before[1:5]), free)
         self.past = after
         return np.asarray(chord.to_modes(tuple(now), h, s))
+
+
+def rng_of(seed: int) -> np.random.Generator:
+    """Random numbers that are the same every time."""
+    return np.random.default_rng(seed)
 
 
 def any_modes(rng: np.random.Generator, size: float = 1.0) -> Floats:
@@ -171,6 +176,34 @@ def acts_on_ends(F: Floats, D: Floats, rest: Floats, h: float) -> Floats:
     pulls = chord.to_pulls(F, h, STEP)
     moments = chord.angle_pulls(pulls, settling.from_modes(D, h, STEP), rest, h, STEP)
     return np.array([pulls[0], *moments, pulls[5]])
+
+
+@pytest.mark.parametrize("points", LAWS)
+def test_any_modes_have_an_end_force_that_is_the_derivative_of_the_energy(points: Floats) -> None:
+    """Of a wire that hardly hardens, bent and twisted far beyond its limit at once, from a start that misleads."""
+    law, rng = replace(made_of(wire(DIAMETER), points), curve=np.array([[0.0, 205.0], [1.0, 207.0]])), rng_of(4)
+    count = 200 if not len(points) else 12
+    kind, way = np.zeros(count, dtype=np.int64), rng.uniform(-1e-6, 1e-6, (count, 6))
+    history, begin = law.virgin(kind), law.beginning(count)
+    for _ in range(6):
+        D = 10 ** rng.uniform(-3, -0.5, (count, 1)) * rng.uniform(-1, 1, (count, 6))
+        found = law.respond(history, kind, D, begin, 1)
+        assert np.isfinite(found.energies).all()
+        ahead, behind = (law.respond(history, kind, D + sign * way, begin, 1) for sign in (1, -1))
+        work = np.einsum("mk,mk->m", found.F, way)
+        rounding = 1e-7 * np.abs(found.F * way).sum(axis=1) + 1e-13 * found.energies
+        assert (np.abs((ahead.energies - behind.energies) / 2 - work) <= rounding).all()
+
+
+def test_what_is_foretold_changes_no_answer() -> None:
+    law, rng = made_of(wire(DIAMETER)), rng_of(5)
+    kind = np.zeros(50, dtype=np.int64)
+    history, begin = law.virgin(kind), law.beginning(50)
+    for size in (0.3, 1.0, 0.1):
+        D = size * 0.05 * rng.uniform(-1, 1, (50, 6))
+        known, new = law.respond(history, kind, D, begin, 1), law.respond(history, kind, D, law.beginning(50), 1)
+        np.testing.assert_allclose(known.F, new.F, rtol=0, atol=1e-9 * np.abs(new.F).max())
+        np.testing.assert_allclose(known.energies, new.energies, rtol=1e-11)
 
 
 def test_unloading_and_loading_again_close() -> None:

@@ -19,8 +19,10 @@ from numba import njit
 
 from punchform.mechanics.laws import flow, stays
 
-STEPS = 80
-"""Newton steps for the end force of one element."""
+FORETOLD_STEPS, STEPS = 40, 80
+"""Newton steps for the end force of one element, from where it is foretold and from the elastic one."""
+SHORTEST = 1e-4
+"""The shortest part of the way that the modes of such an element go at once, where nothing else helps."""
 EXACT = 1e-22
 """Gain of a step, relative to the energy, at which the end force is found."""
 ROUNDING = 1e-14
@@ -163,7 +165,7 @@ def respond(
     own, share = np.empty((count, 4, 12)), np.empty(count)
     s, strain, compliance = np.empty(4), np.empty(4), np.empty((4, 4))
     motion, wanted, trial, step = np.empty(12), np.zeros(12), np.empty(12), np.empty(12)
-    soft, L = np.empty((12, 12)), np.empty((12, 12))
+    soft, L, elastic = np.empty((12, 12)), np.empty((12, 12)), np.empty(6)
     for m in range(first, last):
         reach = 0.0
         for g in range(count):
@@ -172,57 +174,100 @@ def respond(
         levered(H[kind[m]], lever[kind[m]], off[m], string, reach, own)
         F = forces[m]
         for k in range(6):
-            wanted[k], trial[k] = D[m, k], 0.0
+            wanted[k], elastic[k] = D[m, k], 0.0
             for c in range(6):
-                trial[k] += C[m, k, c] * D[m, c]
-        if stays_elastic(own, trial, past[m], curve, kinematic, wire, stretch[m], points, s):
+                elastic[k] += C[m, k, c] * D[m, c]
+        if stays_elastic(own, elastic, past[m], curve, kinematic, wire, stretch[m], points, s):
             energies[m] = 0.0
             for k in range(6):
-                F[k], F[6 + k] = trial[k], 0.0
-                energies[m] += 0.5 * trial[k] * D[m, k]
+                F[k], F[6 + k] = elastic[k], 0.0
+                energies[m] += 0.5 * elastic[k] * D[m, k]
                 for c in range(6):
                     stiffness[m, k, c] = C[m, k, c]
                     if np.isnan(modes[m, 0]):
                         hard[m, k, c], hard[m, 6 + k, c] = C[m, k, c], 0.0
         else:
             size = 12 if pull[m] > 0.0 else 6
-            foretold(F, size, trial, D[m], modes[m], hard[m])
-            energies[m] = largest(
-                F, size, pull[m], wanted, own, share, past[m], curve, kinematic, wire, stretch[m], points, memory[m],
-                B[m], s, strain, compliance, motion, trial, step, soft, L,
-            )  # fmt: skip
+            for steps in (FORETOLD_STEPS, STEPS):
+                foretold(F, size, elastic, D[m], modes[m], hard[m])
+                energies[m] = largest(
+                    F, size, pull[m], wanted, own, share, past[m], curve, kinematic, wire, stretch[m], points,
+                    memory[m], B[m], steps, s, strain, compliance, motion, trial, step, soft, L,
+                )  # fmt: skip
+                if np.isfinite(energies[m]):
+                    break
+                # From within a wire that hardly hardens the way along its limit is long, from far beyond it short.
+                modes[m], memory[m] = np.nan, np.nan
+            else:
+                energies[m] = marched(
+                    F, size, pull[m], D[m], hard[m], wanted, own, share, past[m], curve, kinematic, wire, stretch[m],
+                    points, memory[m], B[m], s, strain, compliance, motion, trial, step, soft, L,
+                )  # fmt: skip
             columns(L, size, step, hard[m])
             stiffness[m] = hard[m, :6]
         modes[m] = D[m]
+        if not np.isfinite(energies[m]):
+            modes[m], memory[m] = np.nan, np.nan
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def foretold(F, size, trial, D, modes, hard):
-    """Move the forces F (12,) of the modes (6,) to where they are likely to be for D (6,); to the elastic ones `trial`
+def foretold(F, size, elastic, D, modes, hard):
+    """Move the forces F (12,) of the modes (6,) to where they are likely to be for D (6,); to the `elastic` ones
     where nothing is known."""
     for k in range(12):
         if k >= size:
             F[k] = 0.0
         elif np.isnan(modes[0]):
-            F[k] = trial[k] if k < 6 else 0.0
+            F[k] = elastic[k] if k < 6 else 0.0
         else:
             for c in range(6):
                 F[k] += hard[k, c] * (D[c] - modes[c])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def marched(
+    F, size, pull, D, hard, wanted, H, share, past, curve, kinematic, wire, stretch, points, memory, B,
+    s, strain, compliance, motion, trial, step, soft, L,
+):  # fmt: skip
+    """What `largest` finds when the modes grow from zero to D (6,) in parts, each as long as the search allows: for a
+    wire that hardly hardens and is bent and turned on far beyond its limit. hard (12, 6) is overwritten."""
+    before, reach, part, value = np.zeros(12), 0.0, 0.25, np.inf
+    F[:], hard[:], memory[:] = 0.0, 0.0, np.nan
+    while reach < 1.0 and part >= SHORTEST:
+        ahead = min(reach + part, 1.0)
+        for k in range(size):
+            F[k] = before[k]
+            for c in range(6):
+                F[k] += (ahead - reach) * hard[k, c] * D[c]
+        for k in range(6):
+            wanted[k] = ahead * D[k]
+        value = largest(
+            F, size, pull, wanted, H, share, past, curve, kinematic, wire, stretch, points, memory, B, FORETOLD_STEPS,
+            s, strain, compliance, motion, trial, step, soft, L,
+        )  # fmt: skip
+        if np.isfinite(value):
+            columns(L, size, step, hard)
+            before[:] = F
+            reach, part = ahead, 2.0 * part
+        else:
+            memory[:] = np.nan
+            part *= 0.25
+    return value
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def largest(
-    F, size, pull, wanted, H, share, past, curve, kinematic, wire, stretch, points, memory, B,
+    F, size, pull, wanted, H, share, past, curve, kinematic, wire, stretch, points, memory, B, steps,
     s, strain, compliance, motion, trial, step, soft, L,
 ):  # fmt: skip
     """Move F (12,) to where F·D - B*(F) is largest, Eq. (12.12), for the wanted modes D (12,); its value, or infinity
-    where none is found. Leaves the factor of the last second derivative in L (12, 12)."""
+    where none is found in so many steps. Leaves the factor of the last second derivative in L (12, 12)."""
     stored = complementary(
         F, size, pull, H, share, past, curve, kinematic, wire, stretch, points, memory, B, s, strain,
         compliance, motion, soft,
     )  # fmt: skip
     reached = dot(F, wanted, size) - stored
-    for _ in range(STEPS):
+    for _ in range(steps):
         factored(soft, size, L)
         for k in range(size):
             trial[k] = wanted[k] - motion[k]
