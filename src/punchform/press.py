@@ -150,7 +150,7 @@ def _minimised(
     stage: str = "press",
 ) -> tuple[Energy, Solution]:
     """The minimum nearest to a start, and the energy with the loads that act there."""
-    if not kernels_are_compiled():
+    if not kernels_are_compiled(yields=energy.bars.yielding is not None):
         observe(Progress("press", message="compiling the kernels; only the first run does this"))
         compile_kernels(energy, start)
     if case.pull is None:
