@@ -19,6 +19,7 @@ PAGES = {
     "net.py": ("performance.md", ("net",)),
     "press_scaling.py": ("performance.md", ("press",)),
     "release_scaling.py": ("performance.md", ("release",)),
+    "stretch_scaling.py": ("performance.md", ("stretch",)),
     "against_others.py": ("performance.md", ("others", "rods")),
     "descent_against_newton.py": ("paper.md", ("descent",)),
     "linear_solvers.py": ("decisions/linear-solver.md", ("solvers",)),
@@ -26,6 +27,7 @@ PAGES = {
 TINY = {
     "net.py": ("--nodes", "300", "--repeats", "1"),
     "press_scaling.py": ("--only", "dish, D = 150 mm, f/D = 0.42"),
+    "stretch_scaling.py": ("--tiny", "--strokes", "3"),
     "against_others.py": ("--tiny", "--seconds", "0.5"),
 }
 
@@ -89,6 +91,18 @@ def test_a_press_is_not_faster_than_its_floor_and_says_what_it_solved() -> None:
     assert int(row["factorisations"]) <= 5
     assert int(row["solved nodes"]) < int(row["crossings"]) < int(row["unknowns"])
     assert float(row["again, over the floor"]) >= 1.0
+
+
+def test_factorisations_of_a_stroke_do_not_grow_with_the_dish(load: Load) -> None:
+    scaling = load("stretch_scaling")
+    small, large = (scaling.formed_in(scaling.laid_to_yield(scaling.dish(radius)), 6) for radius in (45.0, 90.0))
+    assert large.grid.nodes > 3 * small.grid.nodes
+    assert large.whole.plastic_strain.max() > 0.01
+    for one in (small, large):
+        # None of the strokes had to be halved.
+        assert len(one.strokes) == 6
+        assert max(stroke.factorisations for stroke in one.strokes) <= 10
+    assert large.factorisations <= 1.3 * small.factorisations
 
 
 def test_an_unknown_case_is_refused() -> None:
