@@ -18,7 +18,10 @@ from punchform.cli.exits import Exit
 from punchform.cli.talk import say
 from punchform.errors import InputError, NoEquilibrium
 
-CASE_HELP = "case file, or packaged:check, packaged:paper, packaged:gridshell for a case that comes with the program"
+CASE_HELP = (
+    "case file, or packaged:check, packaged:paper, packaged:stretch, packaged:gridshell for a case that comes with the "
+    "program"
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
