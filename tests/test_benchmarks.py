@@ -23,6 +23,7 @@ PAGES = {
     "against_others.py": ("performance.md", ("others", "rods")),
     "descent_against_newton.py": ("paper.md", ("descent",)),
     "linear_solvers.py": ("decisions/linear-solver.md", ("solvers",)),
+    "stretch_forming.py": ("stretch_forming.md", ("forming", "flow", "lengths", "strokes", "sections")),
 }
 TINY = {
     "net.py": ("--nodes", "300", "--repeats", "1"),
@@ -79,10 +80,25 @@ def test_the_page_of_a_benchmark_has_a_place_for_its_tables(script: str) -> None
         assert f"table: {name}" in source or f"`{name}` likewise" in source
 
 
-def test_the_prose_about_performance_states_no_number() -> None:
-    text = (ROOT / "docs" / "performance.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize("page", ["performance.md", "stretch_forming.md"])
+def test_the_prose_about_what_was_measured_states_no_number(page: str) -> None:
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
     prose = re.sub(r"<!-- table: (\w+) -->.*?<!-- end: \1 -->", "", text, flags=re.DOTALL)
+    prose = re.sub(r"^```.*?^```|Eqs?\. [\d.() and]+|\]\([^)]*\)", "", prose, flags=re.DOTALL | re.MULTILINE)
     assert not re.findall(r"\d+", prose)
+
+
+def test_every_run_of_stretch_forming_fills_its_rows(load: Load, tmp_path: Path) -> None:
+    stretch = load("stretch_forming")
+    coarse = stretch.Variant("coarse, clamped", grid={"step": (15.0, 15.0)}, press={"strokes": 4})
+    assert stretch.kept(tmp_path, coarse.name) is None
+    stretch.keep(tmp_path, coarse.name, stretch.figures(coarse))
+    for text in stretch.tables(lambda _: stretch.kept(tmp_path, coarse.name)).values():
+        rows = table_rows(text)
+        assert len({len(row) for row in rows}) == 1
+        assert all(cell for row in rows for cell in row)
+    for text in stretch.tables(lambda _: None).values():
+        assert not any(table_rows(text)[1][1:])
 
 
 def test_a_press_is_not_faster_than_its_floor_and_says_what_it_solved() -> None:

@@ -1,8 +1,10 @@
-"""Stretch-forming: a dish whose clamped wires yield from rim to middle keeps its shape; what never yields is elastic."""
+"""Stretch-forming: a clamped dish yields from rim to middle and keeps its shape; wires that never yield are elastic."""
 
 from __future__ import annotations
 
+import re
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -83,7 +85,7 @@ def rms(done: Run) -> float:
 
 
 def laid_back(done: Run) -> float:
-    """The rms [mm] of a dish that is laid back onto its target as well as it goes, its focal length that of the punch."""
+    """The rms [mm] of a dish that is laid back onto its target as well as a rigid part can be."""
     case, ready = done.case, prepare(done.case)
     assert case.target is not None
     whole = released(done).whole
@@ -109,6 +111,12 @@ def inside(stage: Shaped, radius: float) -> Bools:
 def moves(one: Shaped, other: Shaped) -> Floats:
     """How far each crossing lies from where the other stage has it, (N,) [mm]."""
     return np.asarray(np.linalg.norm(one.whole.positions - other.whole.positions, axis=1))
+
+
+def test_the_page_shows_the_packaged_case() -> None:
+    page = (Path(__file__).resolve().parents[1] / "docs" / "stretch_forming.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"^```toml\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    assert case_from_text(block) == read_case("packaged:stretch")
 
 
 # --- what yields keeps its shape ------------------------------------------------------------------------------
