@@ -233,6 +233,11 @@ def free(name: str, digits: int, *, sign: bool = False) -> Callable[[Figures], s
     return lambda known: "no rest" if "free_failure" in known else shown(known)
 
 
+def fitted(known: Figures) -> str:
+    """The rms after the best fit; any flat grid would fit a paraboloid without curvature."""
+    return "flat" if known["curvature_released"] < 1 / FLAT**2 else number("fitted", 3)(known)
+
+
 def focal(known: Figures) -> str:
     """The focal length of the grid that nothing holds."""
     return "flat" if known.get("free_focal", 0.0) > FLAT else free("free_focal", 1)(known)
@@ -246,7 +251,7 @@ def released_to(known: Figures) -> str:
 PER_CENT = 100.0
 FORMED: tuple[Column, ...] = (
     ("rms in the tool → released, mm", released_to),
-    ("after best fit, mm", number("fitted", 3)),
+    ("after best fit, mm", fitted),
     ("middle moves, mm", number("apex", 2, sign=True)),
     ("lowest sinks, mm", number("sag", 2)),
     ("m = 0, mm", lobe(0)),
