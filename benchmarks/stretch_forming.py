@@ -81,10 +81,7 @@ STROKES = (
     *(Variant(f"{count} strokes", press={"strokes": count}) for count in (6, 24, 48)),
     *(Variant(f"straight, {count} strokes", wire=STRAIGHT, grid=STACKED, press={"strokes": count}) for count in (48,)),
 )
-SECTIONS = (
-    Variant("fibres, clamped", wire={"section": "fibres"}),
-    Variant("fibres, drawn in", wire={"section": "fibres"}, press={"rim": "draw"}),
-)
+SECTIONS = (Variant("fibres, clamped", wire={"section": "fibres"}),)
 
 
 def figures(variant: Variant) -> Figures:
@@ -329,8 +326,6 @@ def tables(found: Callable[[str], Figures | None]) -> dict[str, str]:
     sections = [
         ("clamped, resultants", CLAMPED),
         ("clamped, fibres", "fibres, clamped"),
-        ("drawn in, resultants", "yields, drawn in"),
-        ("drawn in, fibres", "fibres, drawn in"),
     ]
     forming = [(one.name, found(one.name)) for one in FORMING]
     lengths = [(name, known) for name, known in forming if "clamped" in name]
