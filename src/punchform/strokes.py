@@ -166,6 +166,7 @@ def carried(older: Lying, here: Lying, tool: Surface, share: float, held: Bools)
         positions=positions,
         normals=np.where(held[:, None], before.normals, normals),
         tangents=np.where(held[:, None, None], before.tangents, tangents),
+        history=None if before.history is None else before.history.foreseen(times),
     )
 
 

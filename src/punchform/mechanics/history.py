@@ -16,19 +16,26 @@ PARTS = 8
 """Parts of the elements for each thread."""
 
 
+MOST_GROWTH = 0.1
+"""A wire is not foreseen to grow by more than this part in a stroke."""
+
+
 @dataclass(frozen=True, eq=False)
 class History:
     """What every one of M elements remembers; it changes when a stroke is over, not while one is sought.
 
     rest (M, 6): chord measures of the unloaded wire, Eq. (12.14) [mm, rad]; off (M, G, 2): how far its sections have
     moved from where they were made, along the chord's normal and sideways [mm]; stretch (M,): length of the wire over
-    that of the new one; pull (M,): along its chord [N]; past (M, G, V): internal variables of the sections; B, C
+    that of the new one; grown (M,): by which part it grew in the last stroke, and ahead (M,): what is foreseen of that in
+    the next, Eq. (12.16); pull (M,): along its chord [N]; past (M, G, V): internal variables of the sections; B, C
     (M, 6, 6): flexibility and stiffness now; work (M,): of plastic flow so far [mJ].
     """
 
     rest: Floats
     off: Floats
     stretch: Floats
+    grown: Floats
+    ahead: Floats
     pull: Floats
     past: Floats
     B: Floats
@@ -38,6 +45,15 @@ class History:
     def of(self, elements: Ints) -> History:
         """The history of some of the elements, or of copies of them."""
         return History(**{name: values[elements] for name, values in vars(self).items()})
+
+    def foreseen(self, times: float) -> History:
+        """The history before a stroke so many times as long as the last, in which wires grow on as they did."""
+        return replace(self, ahead=np.clip(times * self.grown, 0.0, MOST_GROWTH))
+
+    @property
+    def sizes(self) -> tuple[Floats, Floats]:
+        """Stretch that area and length of the wires have in a stroke, (M,) each: at its end, and in its middle."""
+        return self.stretch * (1.0 + self.ahead), self.stretch * (1.0 + 0.5 * self.ahead)
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +142,8 @@ class Yielding:
             rest=np.zeros((count, 6)),
             off=np.zeros((count, stations, 2)),
             stretch=np.ones(count),
+            grown=np.zeros(count),
+            ahead=np.zeros(count),
             pull=np.zeros(count),
             past=np.zeros((count, stations, size)),
             B=np.asarray(np.linalg.inv(self.C)[kind]),
@@ -179,7 +197,7 @@ class Yielding:
     def respond(self, history: History, kind: Ints, D: Floats, begin: Beginning, threads: int) -> Response:
         """Answer the modes D (M, 6) of all elements; what `begin` holds is overwritten."""
         stiffness, energies = np.empty((len(D), 6, 6)), np.empty(len(D))
-        past = (history.off, history.stretch, history.pull, history.past, history.B, history.C)
+        past = (history.off, *history.sizes, history.pull, history.past, history.B, history.C)
         made_of = (self.H, self.lever, self.weight, self.string, *self.law)
 
         known = (begin.sections, begin.forces, begin.modes, begin.hard)
@@ -200,6 +218,7 @@ class Yielding:
         """The history after a stroke that ended with the modes D (M, 6) and with what the last call found for them;
         `begin` follows to the modes that the same forces have now."""
         after = replace(history, **{name: values.copy() for name, values in vars(history).items()})
+        after.ahead[:] = 0.0
         settling.settle(
             kind,
             D,
@@ -207,7 +226,8 @@ class Yielding:
             *(self.H, self.lever, self.weight, self.string, self.curving, self.correction, self.height, self.length),
             *self.law,
             begin.sections,
-            *(after.rest, after.off, after.stretch, after.pull, after.past, after.B, after.C, after.work),
+            *history.sizes,
+            *(after.rest, after.off, after.stretch, after.grown, after.pull, after.past, after.B, after.C, after.work),
         )
         begin.modes[:] = np.einsum("mab,mb->ma", after.B, begin.forces[:, :6])
         return after

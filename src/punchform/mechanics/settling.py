@@ -21,10 +21,10 @@ ROUNDS = 12
 @njit(cache=True, nogil=True, error_model="numpy")
 def settle(
     kind, D, forces, H, lever, weight, string, curving, correction, height, length, curve, kinematic, wire, points,
-    memory, rest, off, stretch, pull, past, B, C, work,
+    memory, thin, long, rest, off, stretch, grown, pull, past, B, C, work,
 ):  # fmt: skip
     """Make what flowed in the elements (M,) their past, in place: all arrays from rest on, Eqs. (12.14)-(12.16);
-    forces (M, 12) as of `respond`.
+    forces (M, 12), thin and long (M,) as of `respond`.
 
     Elements in which nothing flows stay bit by bit as they are, but for the pull on them.
     """
@@ -35,16 +35,16 @@ def settle(
     for m in range(len(kind)):
         piece, reach, longer, flows = kind[m], 0.0, 0.0, False
         for g in range(count):
-            reach += weight[piece, g] * stretch[m]
+            reach += weight[piece, g] * long[m]
         levered(H[piece], lever[piece], off[m], string, reach, own)
         for g in range(count):
             section_forces(own[g], forces[m], 12, s)
             potential = flow(
-                s, past[m, g], curve, kinematic, wire, stretch[m], points, memory[m, g], strain, compliance
+                s, past[m, g], curve, kinematic, wire, thin[m], points, memory[m, g], strain, compliance
             )  # fmt: skip
             flows |= potential != 0.0
-            keep(s, past[m, g], curve, kinematic, wire, stretch[m], points, memory[m, g], after[g])
-            share = weight[piece, g] * stretch[m]
+            keep(s, past[m, g], curve, kinematic, wire, thin[m], points, memory[m, g], after[g])
+            share = weight[piece, g] * long[m]
             longer += share * strain[0]
             for k in range(4):
                 strains[g, k] = strain[k]
@@ -52,11 +52,12 @@ def settle(
         for k in range(6):
             F[k] = forces[m, k]
         pull[m] = to_pulls(F, height[piece], length[piece])[0]
+        grown[m] = longer / reach * long[m] / stretch[m]
         if not flows:
             continue
         past[m] = after
-        stretch[m] *= 1.0 + longer / reach
-        reach += longer
+        reach *= stretch[m] * (1.0 + grown[m]) / long[m]
+        stretch[m] *= 1.0 + grown[m]
         for g in range(count):
             for k in range(count):
                 off[m, g, 0] -= reach * reach * curving[g, k] * strains[k, 1]

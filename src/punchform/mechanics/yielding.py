@@ -152,14 +152,15 @@ def stays_elastic(H, F, past, curve, kinematic, wire, stretch, points, s):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def respond(
-    first, last, kind, D, H, lever, weight, string, curve, kinematic, wire, points, off, stretch, pull, past, B, C,
+    first, last, kind, D, H, lever, weight, string, curve, kinematic, wire, points, off, thin, long, pull, past, B, C,
     memory, forces, modes, hard, stiffness, energies,
 ):  # fmt: skip
     """Write forces (M, 12), whose first six are F, the derivatives of F with D, stiffness (M, 6, 6), and energies (M,)
     of the elements from first to last, Eqs. (12.12) and (12.13); the energy is infinite where the search fails.
 
     It begins at the forces of the modes (M, 6) of an earlier call, NaN where none is known, moved by hard (M, 12, 6),
-    the derivative of the forces where they last flowed; both are overwritten.
+    the derivative of the forces where they last flowed; both are overwritten. thin, long (M,): stretch that the area
+    and the length of the wire have in the stroke, Eq. (12.16).
     """
     count = H.shape[1]
     own, share = np.empty((count, 4, 12)), np.empty(count)
@@ -169,7 +170,7 @@ def respond(
     for m in range(first, last):
         reach = 0.0
         for g in range(count):
-            share[g] = weight[kind[m], g] * stretch[m]
+            share[g] = weight[kind[m], g] * long[m]
             reach += share[g]
         levered(H[kind[m]], lever[kind[m]], off[m], string, reach, own)
         F = forces[m]
@@ -177,7 +178,7 @@ def respond(
             wanted[k], elastic[k] = D[m, k], 0.0
             for c in range(6):
                 elastic[k] += C[m, k, c] * D[m, c]
-        if stays_elastic(own, elastic, past[m], curve, kinematic, wire, stretch[m], points, s):
+        if stays_elastic(own, elastic, past[m], curve, kinematic, wire, thin[m], points, s):
             energies[m] = 0.0
             for k in range(6):
                 F[k], F[6 + k] = elastic[k], 0.0
@@ -191,7 +192,7 @@ def respond(
             for steps in (FORETOLD_STEPS, STEPS):
                 foretold(F, size, elastic, D[m], modes[m], hard[m])
                 energies[m] = largest(
-                    F, size, pull[m], wanted, own, share, past[m], curve, kinematic, wire, stretch[m], points,
+                    F, size, pull[m], wanted, own, share, past[m], curve, kinematic, wire, thin[m], points,
                     memory[m], B[m], steps, s, strain, compliance, motion, trial, step, soft, L,
                 )  # fmt: skip
                 if np.isfinite(energies[m]):
@@ -200,7 +201,7 @@ def respond(
                 modes[m], memory[m] = np.nan, np.nan
             else:
                 energies[m] = marched(
-                    F, size, pull[m], D[m], hard[m], wanted, own, share, past[m], curve, kinematic, wire, stretch[m],
+                    F, size, pull[m], D[m], hard[m], wanted, own, share, past[m], curve, kinematic, wire, thin[m],
                     points, memory[m], B[m], s, strain, compliance, motion, trial, step, soft, L,
                 )  # fmt: skip
             columns(L, size, step, hard[m])
