@@ -61,9 +61,9 @@ def pull(height: float, section: tuple[int, int] | None, *, held: bool) -> tuple
     def at(u: float, rise: float) -> tuple[Floats, Floats]:
         line = ((STEP + u, 0.0, rise), tuple(x), tuple(y), tuple(z), tuple(z), tuple(x), 1.0, height, height, STEP)
         D, g, J, K = np.empty(6), np.empty(12), np.empty((6, 12)), np.empty((12, 12))
-        chord.chord_modes(*line, history.rest[0], D)
+        chord.chord_modes(*line, history.measures[0], D)
         F = law.respond(history, kind, D[None].copy(), begin, 1).F[0]
-        chord.expand_chord(*line, history.rest[0], law.C[0], True, False, D, F, g, J, K)
+        chord.expand_chord(*line, history.measures[0], law.C[0], True, False, D, F, g, J, K)
         return D, g[6:9]
 
     forces, heights, reached = [], [], 0.0

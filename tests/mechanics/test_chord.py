@@ -53,12 +53,13 @@ class Wire:
         one, two = (bent(u @ c) for u in axes)
         twist = 0.5 * (axes[1][2] @ axes[0][1] - axes[1][1] @ axes[0][2]) + one[1] * two[0] - one[0] * two[1]
         one, two = one - rest[1:3], two - rest[3:5]
-        bow = free / 30 * (2 * one @ one - one @ two + 2 * two @ two)
+        start, end = one - rest[6:8], two - rest[8:]
+        bow = free / 30 * (2 * start @ start - start @ end + 2 * end @ end)
         return np.array([np.linalg.norm(c) - free + bow - rest[0], *one, *two, twist - rest[5]])
 
     def modes(self, rest: Floats | None = None) -> Floats:
         """D of Eq. (3.13): elongation, deflections and rotations of the tip, turned from the chord to the step."""
-        measures = self.measures(np.zeros(6) if rest is None else rest)
+        measures = self.measures(np.zeros(10) if rest is None else rest)
         stretch, beta_o, gamma_o, beta_b, gamma_b, twist = measures
         free = np.hypot(STEP, self.h)
         turn = np.array([[STEP, -self.h], [self.h, STEP]]) / free
@@ -95,7 +96,7 @@ class Wire:
         D, F, found = np.empty((1, 6)), np.empty((1, 6)), np.empty(1)
         *where, family, start, end, along = self.arrays(direction)
         one = (*where, family, family, start, end, along, np.array([sigma]), np.ones(1))
-        sweeps.states(*one, *made_of, by_chord, np.zeros((1, 6)), D, F, found)
+        sweeps.states(*one, *made_of, by_chord, np.zeros((1, 10)), D, F, found)
         return float(found[0])
 
 
@@ -128,7 +129,7 @@ def random_wire(seed: int, sigma: float, e: float, h: float, amount: float = 1.0
 def expansion(wire: Wire, C: Floats, rest: Floats | None = None) -> tuple[float, Floats, Floats, Floats, Floats]:
     """Energy, D, gradient, rates and second-order terms by the kernel."""
     D, F, g, J, K = np.empty(6), np.empty(6), np.empty(12), np.empty((6, 12)), np.empty((12, 12))
-    at_rest = np.zeros(6) if rest is None else rest
+    at_rest = np.zeros(10) if rest is None else rest
     line = (*wire.vectors(), wire.sigma, wire.e, wire.h, STEP, at_rest)
     energy = chord.expand_chord(*line, C, False, True, D, F, g, J, K)
     return energy, D, g, J, K
@@ -153,7 +154,7 @@ def any_stiffness(seed: int) -> Floats:
 def test_modes_are_those_of_the_theory(seed: int, sigma: float, e: float, h: float, amount: float) -> None:
     wire = random_wire(seed, sigma, e, h, amount)
     D = np.empty(6)
-    chord.chord_modes(*wire.vectors(), sigma, e, h, STEP, np.zeros(6), D)
+    chord.chord_modes(*wire.vectors(), sigma, e, h, STEP, np.zeros(10), D)
     np.testing.assert_allclose(D, wire.modes(), rtol=0, atol=1e-12)
     energy, again, *_ = expansion(wire, C := any_stiffness(seed))
     np.testing.assert_allclose(again, D, rtol=0, atol=1e-14)
@@ -167,7 +168,7 @@ def test_rates_and_second_order_terms_are_the_derivatives(
 ) -> None:
     wire, C = random_wire(seed, sigma, e, h, amount), any_stiffness(seed)
     rng = np.random.default_rng(seed)
-    z, rest = rng.uniform(-1, 1, 12), 0.1 * rng.uniform(-1, 1, 6)
+    z, rest = rng.uniform(-1, 1, 12), 0.1 * rng.uniform(-1, 1, 10)
     _, D, g, J, K = expansion(wire, C, rest)
     np.testing.assert_allclose(D, wire.modes(rest), rtol=0, atol=1e-12)
     slope, _ = slope_and_curvature(lambda t: wire.moved(t * z).modes(rest), 0.1)

@@ -147,7 +147,7 @@ def test_a_sweep_reads_family_direction_and_sign_of_its_own_element() -> None:
     family, start, end = np.array([0, 1]), np.array([0, 1]), np.array([1, 0])
     D, F, energies = np.empty((2, 6)), np.empty((2, 6)), np.empty(2)
     common = (positions, normals, tangents, family, family, start, end, direction, sigma, np.ones(2))
-    sweeps.states(*common, C, offset, np.array([STEP, STEP]), offset, False, np.zeros((1, 6)), D, F, energies)
+    sweeps.states(*common, C, offset, np.array([STEP, STEP]), offset, False, np.zeros((1, 10)), D, F, energies)
     second = Wire(wire.x_b, wire.x_o, wire.frame_b[[1, 0, 2]], wire.frame_o[[1, 0, 2]], -1.0, 0.3, -1.0)
     for m, one in enumerate((wire, second)):
         expected = one.modes()
@@ -155,7 +155,7 @@ def test_a_sweep_reads_family_direction_and_sign_of_its_own_element() -> None:
         np.testing.assert_allclose(F[m], C[m] @ expected, rtol=1e-12)
         assert energies[m] == pytest.approx(0.5 * expected @ C[m] @ expected, rel=1e-12)
     again = np.empty(2)
-    sweeps.energies(*common, C, offset, np.array([STEP, STEP]), offset, False, np.zeros((1, 6)), again)
+    sweeps.energies(*common, C, offset, np.array([STEP, STEP]), offset, False, np.zeros((1, 10)), again)
     np.testing.assert_array_equal(again, energies)
 
 

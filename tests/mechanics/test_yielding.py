@@ -174,7 +174,7 @@ def test_the_work_of_flow_never_falls_and_end_forces_survive_the_end_of_a_stroke
 def acts_on_ends(F: Floats, D: Floats, rest: Floats, h: float) -> Floats:
     """Pull, the four moments and the torque that act on the chord measures, Eq. (3.12)."""
     pulls = chord.to_pulls(F, h, STEP)
-    moments = chord.angle_pulls(pulls, settling.from_modes(D, h, STEP), rest, h, STEP)
+    moments = chord.angle_pulls(pulls, settling.from_modes(D, h, STEP), np.append(rest, np.zeros(4)), h, STEP)
     return np.array([pulls[0], *moments, pulls[5]])
 
 

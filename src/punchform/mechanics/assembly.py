@@ -32,7 +32,7 @@ from punchform.mechanics.pattern import Pattern, analyse, shares
 ROUNDING = 1e-13
 """Rounding of a long sum, relative to its terms; that of a coordinate counts a tenth of it."""
 THREADS = 2
-NO_REST = np.zeros((1, 6))
+NO_REST = np.zeros((1, 10))
 WORTH_THREADS = 8000
 WORTH_THREADS_TO_YIELD = 200
 """Below so many elements a second thread costs more than it saves; those that yield have more to do."""
@@ -271,7 +271,7 @@ class Energy:
                 grid.sigma.astype(np.float64),
             ),
             *(grid.weight, bars.C, bars.offset, bars.length, bars.rise, bars.chord),
-            NO_REST if bars.yielding is None else self._history(state).rest,
+            NO_REST if bars.yielding is None else self._history(state).measures,
         )
 
     def _history(self, state: State) -> History:

@@ -103,14 +103,16 @@ def add_angle_curvature(p, beta, gamma, first, N):
 
 @njit(cache=True, nogil=True)
 def measures(line, h, s, rest):
-    """L of Eqs. (3.11) and (3.12) as a tuple (6,) [mm, rad], counted from those at rest (6,), Eq. (12.14)."""
+    """L of Eqs. (3.11) and (3.12) as a tuple (6,) [mm, rad], counted from those at rest, the first six of rest (10,);
+    the last four: what else the bow leaves out of the turns, Eq. (12.14)."""
     c, _, _, at_o, at_b, from_o, from_b = line
     g_o, g_b = opening(from_o)[0], opening(from_b)[0]
     beta_o, gamma_o, beta_b, gamma_b = g_o * from_o[1], g_o * from_o[2], g_b * from_b[1], g_b * from_b[2]
     tau = 0.5 * (dot(at_b[2], at_o[1]) - dot(at_b[1], at_o[2])) + gamma_o * beta_b - beta_o * gamma_b
     turns = beta_o - rest[1], gamma_o - rest[2], beta_b - rest[3], gamma_b - rest[4]
     free = sqrt(s * s + h * h)
-    return sqrt(dot(c, c)) - free + bow(turns, free) - rest[0], *turns, tau - rest[5]
+    bowed = turns[0] - rest[6], turns[1] - rest[7], turns[2] - rest[8], turns[3] - rest[9]
+    return sqrt(dot(c, c)) - free + bow(bowed, free) - rest[0], *turns, tau - rest[5]
 
 
 @njit(cache=True, nogil=True)
@@ -156,17 +158,18 @@ def to_pulls(F, h, s):
 def angle_pulls(pulls, L, rest, h, s):
     """What acts on the four angles, bow and twist of Eq. (3.12) included."""
     part, twist = pulls[0] * sqrt(s * s + h * h) / 30.0, pulls[5]
+    b_o, g_o, b_b, g_b = L[1] - rest[6], L[2] - rest[7], L[3] - rest[8], L[4] - rest[9]
     return (
-        pulls[1] + part * (4.0 * L[1] - L[3]) - twist * (L[4] + rest[4]),
-        pulls[2] + part * (4.0 * L[2] - L[4]) + twist * (L[3] + rest[3]),
-        pulls[3] + part * (4.0 * L[3] - L[1]) + twist * (L[2] + rest[2]),
-        pulls[4] + part * (4.0 * L[4] - L[2]) - twist * (L[1] + rest[1]),
+        pulls[1] + part * (4.0 * b_o - b_b) - twist * (L[4] + rest[4]),
+        pulls[2] + part * (4.0 * g_o - g_b) + twist * (L[3] + rest[3]),
+        pulls[3] + part * (4.0 * b_b - b_o) + twist * (L[2] + rest[2]),
+        pulls[4] + part * (4.0 * g_b - g_o) - twist * (L[1] + rest[1]),
     )
 
 
 @njit(cache=True, nogil=True)
 def chord_modes(d, t, j, n, n_b, t_b, sigma, e, h, s, rest, D):
-    """Write the six modes of Eq. (3.13) into D (6,) [mm, rad]; rest (6,): measures of the unloaded wire."""
+    """Write the six modes of Eq. (3.13) into D (6,) [mm, rad]; rest (10,): as of `measures`."""
     modes = to_modes(measures(chord_of(d, t, j, n, n_b, t_b, sigma, e, h, s), h, s, rest), h, s)
     for k in range(6):
         D[k] = modes[k]

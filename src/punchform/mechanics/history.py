@@ -24,14 +24,17 @@ MOST_GROWTH = 0.1
 class History:
     """What every one of M elements remembers; it changes when a stroke is over, not while one is sought.
 
-    rest (M, 6): chord measures of the unloaded wire, Eq. (12.14) [mm, rad]; off (M, G, 2): how far its sections have
-    moved from where they were made, along the chord's normal and sideways [mm]; stretch (M,): length of the wire over
-    that of the new one; grown (M,): by which part it grew in the last stroke, and ahead (M,): what is foreseen of that in
-    the next, Eq. (12.16); pull (M,): along its chord [N]; past (M, G, V): internal variables of the sections; B, C
-    (M, 6, 6): flexibility and stiffness now; work (M,): of plastic flow so far [mJ].
+    rest (M, 6): chord measures of the unloaded wire, Eq. (12.14) [mm, rad]; turned (M, 4): how its angles changed in
+    the last stroke, and turning (M, 4): what is foreseen of that in the next [rad]; off (M, G, 2): how far its sections
+    have moved from where they were made, along the chord's normal and sideways [mm]; stretch (M,): length of the wire
+    over that of the new one; grown (M,): by which part it grew in the last stroke, and ahead (M,): what is foreseen of
+    that in the next, Eq. (12.18); pull (M,): along its chord [N]; past (M, G, V): internal variables of the sections;
+    B, C (M, 6, 6): flexibility and stiffness now; work (M,): of plastic flow so far [mJ].
     """
 
     rest: Floats
+    turned: Floats
+    turning: Floats
     off: Floats
     stretch: Floats
     grown: Floats
@@ -47,12 +50,17 @@ class History:
         return History(**{name: values[elements] for name, values in vars(self).items()})
 
     def foreseen(self, times: float) -> History:
-        """The history before a stroke so many times as long as the last, in which wires grow on as they did."""
-        return replace(self, ahead=np.clip(times * self.grown, 0.0, MOST_GROWTH))
+        """The history before a stroke so many times as long as the last: wires grow and bend on as in it, Eq. (12.18)."""
+        return replace(self, ahead=np.clip(times * self.grown, 0.0, MOST_GROWTH), turning=times * self.turned)
+
+    @property
+    def measures(self) -> Floats:
+        """What the modes count from, and what else the bow leaves out, (M, 10), as of `chord.measures`."""
+        return np.concatenate((self.rest, self.turning), axis=1)
 
     @property
     def sizes(self) -> tuple[Floats, Floats]:
-        """Stretch that area and length of the wires have in a stroke, (M,) each: at its end, and in its middle."""
+        """Stretch that area and length of the wires have in a stroke, (M,) each: at its end, in its middle; Eq. (12.18)."""
         return self.stretch * (1.0 + self.ahead), self.stretch * (1.0 + 0.5 * self.ahead)
 
 
@@ -140,6 +148,8 @@ class Yielding:
         size = fibres.past_size(len(self.points)) if len(self.points) else resultants.PAST
         return History(
             rest=np.zeros((count, 6)),
+            turned=np.zeros((count, 4)),
+            turning=np.zeros((count, 4)),
             off=np.zeros((count, stations, 2)),
             stretch=np.ones(count),
             grown=np.zeros(count),
@@ -218,7 +228,7 @@ class Yielding:
         """The history after a stroke that ended with the modes D (M, 6) and with what the last call found for them;
         `begin` follows to the modes that the same forces have now."""
         after = replace(history, **{name: values.copy() for name, values in vars(history).items()})
-        after.ahead[:] = 0.0
+        after.ahead[:] = after.turning[:] = 0.0
         settling.settle(
             kind,
             D,
@@ -227,7 +237,19 @@ class Yielding:
             *self.law,
             begin.sections,
             *history.sizes,
-            *(after.rest, after.off, after.stretch, after.grown, after.pull, after.past, after.B, after.C, after.work),
+            history.turning,
+            *(
+                after.rest,
+                after.turned,
+                after.off,
+                after.stretch,
+                after.grown,
+                after.pull,
+                after.past,
+                after.B,
+                after.C,
+                after.work,
+            ),
         )
         begin.modes[:] = np.einsum("mab,mb->ma", after.B, begin.forces[:, :6])
         return after

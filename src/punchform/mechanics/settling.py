@@ -21,10 +21,10 @@ ROUNDS = 12
 @njit(cache=True, nogil=True, error_model="numpy")
 def settle(
     kind, D, forces, H, lever, weight, string, curving, correction, height, length, curve, kinematic, wire, points,
-    memory, thin, long, rest, off, stretch, grown, pull, past, B, C, work,
+    memory, thin, long, turning, rest, turned, off, stretch, grown, pull, past, B, C, work,
 ):  # fmt: skip
     """Make what flowed in the elements (M,) their past, in place: all arrays from rest on, Eqs. (12.14)-(12.16);
-    forces (M, 12), thin and long (M,) as of `respond`.
+    forces (M, 12), thin and long (M,) as of `respond`; turning (M, 4): of `History`.
 
     Elements in which nothing flows stay bit by bit as they are, but for the pull on them.
     """
@@ -53,6 +53,7 @@ def settle(
             F[k] = forces[m, k]
         pull[m] = to_pulls(F, height[piece], length[piece])[0]
         grown[m] = longer / reach * long[m] / stretch[m]
+        turned[m] = 0.0
         if not flows:
             continue
         past[m] = after
@@ -67,7 +68,11 @@ def settle(
         factored(B[m], 6, L)
         columns(L, 6, x, inverse)
         C[m] = inverse[:6]
-        unload(D[m], F, B[m], height[piece], length[piece], rest[m])
+        for k in range(4):
+            turned[m, k] = -rest[m, 1 + k]
+        unload(D[m], F, B[m], height[piece], length[piece], turning[m], rest[m])
+        for k in range(4):
+            turned[m, k] += rest[m, 1 + k]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -86,13 +91,13 @@ def flexibility(H, weight, stretch, wire, correction, B):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def unload(D, F, B, h, s, rest):
+def unload(D, F, B, h, s, turning, rest):
     """Move the measures at rest (6,) and F (6,) so that the elastic wire of flexibility B is loaded as before: the same
     pull, torque and end moments, the bow's share included, Eq. (12.14)."""
     free = sqrt(s * s + h * h)
     before, pulls = from_modes(D, h, s), to_pulls(F, h, s)
     part = pulls[0] * free / 30.0
-    turns = before[1], before[2], before[3], before[4]
+    turns = before[1] - turning[0], before[2] - turning[1], before[3] - turning[2], before[4] - turning[3]
     now = before
     for _ in range(ROUNDS):
         gone = (

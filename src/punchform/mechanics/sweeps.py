@@ -3,7 +3,7 @@
 All are plain loops that compile once and release the interpreter lock. Arrays common to them: x, normals (N, 3);
 tangents (2 N, 3), row 2 node + family; family, piece, start, end, direction, sigma, weight (M,); C (P, 6, 6), offset,
 length, rise (P,) per kind of piece. With `chord` the elements are seen from their chords, Eq. (3.12), else from their
-frames at O, Eq. (3.2); rest (M, 6), or one row of zeros for all: chord measures of the unloaded wires.
+frames at O, Eq. (3.2); rest (M, 10), or one row of zeros for all: as of `chord.measures`.
 """
 
 from __future__ import annotations

@@ -160,7 +160,7 @@ def respond(
 
     It begins at the forces of the modes (M, 6) of an earlier call, NaN where none is known, moved by hard (M, 12, 6),
     the derivative of the forces where they last flowed; both are overwritten. thin, long (M,): stretch that the area
-    and the length of the wire have in the stroke, Eq. (12.16).
+    and the length of the wire have in the stroke, Eq. (12.18).
     """
     count = H.shape[1]
     own, share = np.empty((count, 4, 12)), np.empty(count)
