@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +19,7 @@ from punchform.case import Case, case_from_text
 from punchform.mechanics.outcome import Outcome
 from punchform.prepare import prepare
 from punchform.release import Released
+from punchform.remarks import remarks
 from punchform.solved import Shaped
 
 DISH = """
@@ -289,3 +292,26 @@ def test_a_load_beyond_yield_leaves_a_permanent_set_and_one_below_does_not() -> 
     assert heavy[0] > 30 * light[0]
     # The second time the same load finds wires that have hardened for it.
     assert heavy[1] < heavy[0] / 100
+
+
+def test_what_a_run_says_of_its_wires() -> None:
+    done = made()
+    ready = prepare(done.case)
+    press = done.case.framed(done.case.press)
+
+    def told(**changed: Any) -> str:
+        whole = replace(done.formed.whole, **changed)
+        return " ".join(remarks(done.formed.grid, ready.elements, whole, done.formed.surface, press))
+
+    assert "neck" not in told()
+    assert "no wire bears" not in told()
+    strain = done.formed.whole.plastic_strain
+    assert "plastic strain of 2, which no wire bears" in told(plastic_strain=np.full_like(strain, 2.0))
+    longer = np.full_like(strain, np.expm1(0.9 * 0.435))
+    assert "little is left for scatter" in told(axial_strain=longer)
+    assert f"{len(strain)} wire pieces are stretched to a true strain of up to 0.5" in told(
+        axial_strain=np.full_like(strain, np.expm1(0.5))
+    )
+    loose = made(hold='"nothing"').released
+    assert loose is not None
+    assert any("judge its shape after a best fit" in note for note in loose.notes)

@@ -244,6 +244,11 @@ def _remarks(grid: Grid, done: Solved, held: Held, found: Stability, *, yields: 
         notes.append("the released grid rests on a saddle: the least disturbance moves it along the mode shown")
     if held.count == 0 and not yields:
         notes.append("elastic wires that nothing holds spring back to the flat grid: only what yields or is held stays")
+    if held.count == 0 and yields:
+        notes.append(
+            "nothing holds the grid, so where it lies in space says nothing: judge its shape after a best fit "
+            '(target.alignment = "best fit")'
+        )
     lean = np.abs(crossing_angle(done.state) - 0.5 * np.pi).max(initial=0.0)
     if lean > 0.5 * np.pi * FOLDED:
         notes.append(f"crossings turn by up to {np.rad2deg(lean):.3g} degrees: neighbouring wires would touch before")

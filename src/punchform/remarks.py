@@ -16,6 +16,8 @@ LARGEST_ANGLE = 0.2
 """Beyond this angle [rad] between a wire and its chord Eq. (3.2), which is linear in it, is too soft."""
 NEAR_BREAKING = 0.8
 """Part of the strain at which a wire breaks, beyond which it is said that little is left."""
+UNBELIEVABLE = 0.6
+"""A plastic strain in a section that only elements too long for their bends show."""
 MUCH = 0.01
 """A true strain beyond which a wire may break, whatever it is made of."""
 CENTRED = 0.02
@@ -31,6 +33,7 @@ def remarks(
         _overpulled(whole, elements) if case.kinematics == "free" and not case.chord else "",
         _locked(grid, whole, elements),
         *(_flowing(whole, elements) if elements[0].hardening else (_yielding(whole), _clamped(case))),
+        _swinging(whole),
         _drawn_through(grid, whole, surface),
         _off_centre(whole, surface, grid.step),
         *grid.notes,
@@ -118,6 +121,17 @@ def _flowing(whole: Whole, elements: tuple[Element, ...]) -> tuple[str, ...]:
             "break: compare it with the uniform elongation of the wire",
         )
     return ()
+
+
+def _swinging(whole: Whole) -> str:
+    """Plastic strains that no wire bears: elements too long for the bends, whose ends turn to and fro."""
+    strain = float(whole.plastic_strain.max())
+    if strain <= UNBELIEVABLE:
+        return ""
+    return (
+        f"a section of a wire has a plastic strain of {strain:.3g}, which no wire bears: the grid is too coarse for "
+        "its bends, and its shape is not to be believed; write grid.subdivide = 2, or take a smaller step"
+    )
 
 
 def _clamped(case: PressCase) -> str:

@@ -189,7 +189,7 @@ def _tried(form: Form, task: Task) -> tuple[tuple[Energy, Solution] | None, str]
 def _where(share: float, tried: float, failure: str) -> str:
     return (
         f"the press came down to {share:.3g} of the depth of the punch and found no equilibrium at {tried:.3g}, also "
-        f"in shorter strokes: {failure}"
+        f"in shorter strokes: {failure}. Over sharp bends grid.subdivide = 2 or a smaller step helps"
     )
 
 

@@ -50,7 +50,7 @@ class History:
         return History(**{name: values[elements] for name, values in vars(self).items()})
 
     def foreseen(self, times: float) -> History:
-        """The history before a stroke so many times as long as the last: wires grow and bend on as in it, Eq. (12.18)."""
+        """The history before a stroke so many times as long as the last: wires go on as in it, Eq. (12.18)."""
         return replace(self, ahead=np.clip(times * self.grown, 0.0, MOST_GROWTH), turning=times * self.turned)
 
     @property
@@ -60,7 +60,7 @@ class History:
 
     @property
     def sizes(self) -> tuple[Floats, Floats]:
-        """Stretch that area and length of the wires have in a stroke, (M,) each: at its end, in its middle; Eq. (12.18)."""
+        """Stretch that area and length have in a stroke, (M,) each: at its end, in its middle; Eq. (12.18)."""
         return self.stretch * (1.0 + self.ahead), self.stretch * (1.0 + 0.5 * self.ahead)
 
 
