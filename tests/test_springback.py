@@ -108,7 +108,7 @@ def test_a_rim_that_stays_held_has_no_part() -> None:
 def test_little_is_left_over_when_a_stretched_dish_is_let_go() -> None:
     formed, _, split = parts(dish())
     assert formed.yielded > 0.8
-    assert split.remainder.rms < 0.03 * split.total.rms
+    assert split.remainder.rms < 0.06 * split.total.rms
     assert split.membrane.rms > split.bending.rms
 
 

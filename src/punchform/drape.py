@@ -70,11 +70,12 @@ class Draped:
     """The whole grid of the net on its surface; what stands for `Formed` where only positions are shown.
 
     In `whole` positions, normals and tangents of nodes that the net does not reach are NaN, and so is everything
-    that only a solve knows: D, F, energy, contact, stress.
+    that only a solve knows: D, F, energy, contact, stress. hardening: none, since nothing yields in a net.
     """
 
     whole: Whole
     surface: Surface
+    hardening: None = None
 
 
 @dataclass(frozen=True)
