@@ -15,19 +15,15 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import platform
 import resource
-import subprocess
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 from dishes import Dish, Hemisphere, Laid, dish_of
-from tables import put_between
+from tables import from_processes, put_between
 
 from punchform.case import PressCase
 from punchform.errors import NoEquilibrium
@@ -146,19 +142,6 @@ def bare_seconds(laid: Laid, formed: Formed) -> tuple[int, float, float]:
     return energy.kinematics.count, bare, max(first - bare, 0.0)
 
 
-def table(shapes: Sequence[Dish | Hemisphere]) -> str:
-    """The table in Markdown, each row from a process of its own."""
-    lines = [f"| {' | '.join(HEAD)} |", "|" + "---|" * len(HEAD)]
-    for shape in shapes:
-        done = subprocess.run(
-            [sys.executable, __file__, "--row", shape.name], stdout=subprocess.PIPE, text=True, check=True
-        )
-        row = json.loads(done.stdout)
-        lines.append(f"| {' | '.join(str(row.get(column, '–')) for column in HEAD)} |")
-        print(lines[-1], file=sys.stderr)
-    return "\n".join([*lines, "", f"({platform.machine()}, {os.cpu_count()} cores)"])
-
-
 def main() -> None:
     """Print the table, and write it into a page when asked."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -171,7 +154,7 @@ def main() -> None:
         print(json.dumps(measured(ROWS[arguments.row])))
         return
     shapes = (ROWS[arguments.only],) if arguments.only else SMALL + (LARGE if arguments.large else ())
-    text = table(shapes)
+    text = from_processes(__file__, HEAD, [("--row", shape.name) for shape in shapes])
     print(text)
     if arguments.write:
         put_between(arguments.write, "press", text)

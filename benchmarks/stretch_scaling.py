@@ -13,11 +13,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import platform
-import subprocess
-import sys
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
@@ -26,7 +21,7 @@ from typing import Any
 import numpy as np
 from dishes import Dish, Laid
 from press_scaling import PARTS, crossings, peak_memory
-from tables import put_between
+from tables import from_processes, put_between
 
 from punchform.case import PressCase, read_case
 from punchform.case.wire import WireCase
@@ -125,17 +120,6 @@ def measured(rim_radius: float, strokes: int) -> dict[str, Any]:
     return known | {"times the linear element, elastic": f"{elastic:.2f}", "flowing": f"{flowing:.2f}"}
 
 
-def table(sizes: Sequence[float], strokes: int) -> str:
-    """The table in Markdown, each row from a process of its own."""
-    lines = [f"| {' | '.join(HEAD)} |", "|" + "---|" * len(HEAD)]
-    for size in sizes:
-        command = [sys.executable, __file__, "--row", str(size), "--strokes", str(strokes)]
-        row = json.loads(subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout)
-        lines.append(f"| {' | '.join(str(row.get(column, '–')) for column in HEAD)} |")
-        print(lines[-1], file=sys.stderr)
-    return "\n".join([*lines, "", f"({platform.machine()}, {os.cpu_count()} cores)"])
-
-
 def main() -> None:
     """Print the table, and write it into a page when asked."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -149,7 +133,8 @@ def main() -> None:
         print(json.dumps(measured(arguments.row, arguments.strokes)))
         return
     sizes = SIZES[:1] if arguments.tiny else SIZES + (LARGE if arguments.large else ())
-    text = table(sizes, arguments.strokes)
+    rows = [("--row", str(size), "--strokes", str(arguments.strokes)) for size in sizes]
+    text = from_processes(__file__, HEAD, rows)
     print(text)
     if arguments.write:
         put_between(arguments.write, "stretch", text)

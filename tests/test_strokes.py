@@ -54,7 +54,8 @@ from punchform.press import Formed, clamped, press
 from punchform.press import energy_of as pressed_energy
 from punchform.progress import Progress
 from punchform.punch import surface
-from punchform.strokes import Lying, Task, carried, flat, go_down, strokes_of
+from punchform.start import flat
+from punchform.strokes import Lying, Task, carried, go_down, strokes_of
 from punchform.testing import assert_derivatives, assert_equilibrium
 from punchform.wire import pieces
 

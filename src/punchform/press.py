@@ -94,9 +94,9 @@ def press(
     solver = solver or SolverCase()
     if case.pull is not None and case.kinematics == "free" and not case.chord:
         _demand_moderate(case.pull, elements)
-    yields = elements[0].hardening is not None
-    if start is None and (case.hold is not None or strokes_of(case, yields=yields) > 1):
-        down = _in_strokes(grid, elements, surface, case, crossing, solver, observe)
+    count = strokes_of(case, yields=elements[0].hardening is not None)
+    if start is None and (case.hold is not None or count > 1):
+        down = _in_strokes(count, grid, elements, surface, case, crossing, solver, observe)
         return _formed(down, elements, surface, case, yield_strength)
     first, doubts = _begin(grid, elements, surface, case, crossing, solver) if start is None else (start, ())
     first = squared(first) if crossing == "welded" else first
@@ -111,6 +111,7 @@ def press(
 
 
 def _in_strokes(
+    count: int,
     grid: Grid,
     elements: tuple[Element, ...],
     surface: Surface,
@@ -120,7 +121,6 @@ def _in_strokes(
     observe: Observer,
 ) -> Descent:
     """The punch goes down stroke by stroke, Eq. (12.20), against the friction of the holder if there is one."""
-    held = clamped(grid, surface) if case.rim == "clamp" else np.zeros(grid.nodes, dtype=bool)
 
     def form(task: Task) -> tuple[Energy, Solution]:
         start = squared(task.start) if crossing == "welded" else task.start
@@ -135,8 +135,7 @@ def _in_strokes(
         return _minimised(energy, start, task.tool, case, solver, observe, stage=f"press, {task.share:.0%} down")
 
     holding = None if case.hold is None else holder(grid, surface.rim_radius, case.hold)
-    count = strokes_of(case, yields=elements[0].hardening is not None)
-    return go_down(grid, surface, count, form, held=held, holder=holding)
+    return go_down(grid, surface, count, form, held=_held_flat(grid, surface, case), holder=holding)
 
 
 def _minimised(
@@ -181,7 +180,7 @@ def _begin(
         answer = press(coarse, wires, surface, alike, crossing=crossing, solver=rough)
     except (InputError, NoEquilibrium):
         return first, doubts
-    held = clamped(grid, surface) if case.rim == "clamp" else np.zeros(grid.nodes, dtype=bool)
+    held = _held_flat(grid, surface, case)
     return refined(grid, flat_start(grid, surface), coarse, answer.state, surface, held), doubts
 
 
@@ -208,8 +207,7 @@ def energy_of(
 
     held (N,): nodes that keep position and frames; those that a clamp holds of the flat grid when it is not given.
     """
-    if held is None:
-        held = clamped(grid, surface) if case.rim == "clamp" else np.zeros(grid.nodes, dtype=bool)
+    held = _held_flat(grid, surface, case) if held is None else held
     kinematics = _kinematics(grid, surface, case, crossing, held)
     return Energy(
         grid,
@@ -244,6 +242,11 @@ def _kinematics(
 def clamped(grid: Grid, surface: Surface) -> Bools:
     """The nodes that a clamp holds from the rim outwards, (N,)."""
     return np.asarray(np.linalg.norm(grid.flat, axis=1) >= surface.rim_radius * (1 - AT_THE_RIM))
+
+
+def _held_flat(grid: Grid, surface: Surface, case: PressCase) -> Bools:
+    """The nodes (N,) of the flat grid that stay where they lie: none without a clamp."""
+    return clamped(grid, surface) if case.rim == "clamp" else np.zeros(grid.nodes, dtype=bool)
 
 
 def _in_the_clamp(start: State, surface: Surface) -> Bools:

@@ -23,6 +23,7 @@ from punchform.progress import Observer, silent
 from punchform.solved import Shaped, Solved, bars_of, joined, solved
 from punchform.springback import Springback, springback
 from punchform.stability import Stability, stability
+from punchform.start import flat
 from punchform.whole import state_on, unfold_vectors
 from punchform.wire import Element
 
@@ -141,11 +142,8 @@ def free_energy(
 
 def _flat(grid: Grid) -> Solution:
     """What is left of elastic wires that nothing holds: the flat grid, which has no energy, and none has less."""
-    tangents = np.broadcast_to(np.eye(3)[:2], (grid.nodes, 2, 3)).copy()
-    normals = np.broadcast_to(np.eye(3)[2], (grid.nodes, 3)).copy()
-    state = State(np.column_stack((grid.flat, np.zeros(grid.nodes))), normals, tangents)
     return Solution(
-        state, Outcome.CONVERGED, history=(), negative_eigenvalues=0, linear_solver="none", seconds={"total": 0.0}
+        flat(grid), Outcome.CONVERGED, history=(), negative_eigenvalues=0, linear_solver="none", seconds={"total": 0.0}
     )
 
 

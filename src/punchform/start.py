@@ -50,6 +50,15 @@ def struck(state: State, surface: Surface) -> State:
     return replace(state, positions=positions, normals=normals, tangents=np.stack(tangents, axis=1))
 
 
+def flat(grid: Grid) -> State:
+    """The grid as it lies before the punch touches it."""
+    return State(
+        np.column_stack((grid.flat, np.zeros(grid.nodes))),
+        np.broadcast_to(np.eye(3)[2], (grid.nodes, 3)).copy(),
+        np.broadcast_to(np.eye(3)[:2], (grid.nodes, 2, 3)).copy(),
+    )
+
+
 def flat_start(grid: Grid, surface: Surface) -> State:
     """The paper's start P(18): every node moves straight up onto the surface, u_x = u_y = 0, u_z = f.
 

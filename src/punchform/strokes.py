@@ -24,7 +24,7 @@ from punchform.mechanics.friction import Friction
 from punchform.mechanics.outcome import Solution
 from punchform.punch import Surface, lowered, project
 from punchform.solved import joined
-from punchform.start import flat_start
+from punchform.start import flat, flat_start
 
 USUAL = 12
 """Strokes of a press in which it matters what happens on the way."""
@@ -136,15 +136,6 @@ def go_down(
     assert energy is not None
     grip = None if holder is None or here.grasp is None else holder.grip(here.grasp)
     return Descent(energy, _as_one(solutions), tuple(strokes), grip)
-
-
-def flat(grid: Grid) -> State:
-    """The grid before the punch touches it."""
-    return State(
-        np.column_stack((grid.flat, np.zeros(grid.nodes))),
-        np.broadcast_to(np.eye(3)[2], (grid.nodes, 3)).copy(),
-        np.broadcast_to(np.eye(3)[:2], (grid.nodes, 2, 3)).copy(),
-    )
 
 
 def carried(older: Lying, here: Lying, tool: Surface, share: float, held: Bools) -> State:

@@ -12,15 +12,13 @@ beside this file. Units: mm, N, MPa.
 from __future__ import annotations
 
 import csv
-import os
 import re
-import subprocess
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from ccx import answer_to
 from crimped_wire_solids import DIAMETER, HEIGHT, STEP, Floats, section_mesh
 from numpy.typing import NDArray
 
@@ -49,6 +47,8 @@ PERCENT = np.concatenate(
 SMALL, FINE = (16, 2), (20, 3)
 """Layers of bricks along the wire, and into how many by how many each of the six quads of half the section is cut: the
 border between what yields and what does not crosses the section, and needs more bricks than elastic wires do."""
+PATIENCE = 1200.0
+"""Seconds after which a run of ccx is given up."""
 CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1), (0, -1), (1, 0), (0, 1), (-1, 0))
 """Where the eight nodes of a quad sit in its own coordinates."""
 WAYS = ("free", "held")
@@ -195,26 +195,7 @@ def pull(layers: int, cuts: int, *, held: bool) -> Floats:
 
     Raises RuntimeError when ccx fails.
     """
-    return parse(run(deck(half_wave(layers, cuts), held=held)))
-
-
-def run(text: str) -> str:
-    """What ccx prints of a deck. Raises RuntimeError when it fails."""
-    with tempfile.TemporaryDirectory() as folder:
-        Path(folder, "wire.inp").write_text(text)
-        done = subprocess.run(
-            ["ccx", "-i", "wire"],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            env={**os.environ, "OMP_NUM_THREADS": "1"},
-            check=False,
-            timeout=1200,
-        )
-        answer = Path(folder, "wire.dat")
-        if done.returncode or not answer.exists():
-            raise RuntimeError(f"ccx failed:\n{done.stdout[-2000:]}\n{done.stderr[-1000:]}")
-        return answer.read_text()
+    return parse(answer_to(deck(half_wave(layers, cuts), held=held), threads=1, timeout=PATIENCE))
 
 
 def parse(text: str) -> Floats:

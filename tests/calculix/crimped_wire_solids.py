@@ -11,15 +11,14 @@ six unit loads one at a time. Its motions are the columns of B.
 from __future__ import annotations
 
 import json
-import os
 import re
 import subprocess
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from ccx import answer_to
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
@@ -155,20 +154,7 @@ def flexibility_by_calculix(layers: int, rings: int, kind: str) -> tuple[Floats,
     """B (6, 6) [mm/N, 1/N, 1/(N mm)] and what made it. Raises RuntimeError when ccx fails."""
     mesh = sweep(layers, rings)
     begin = perf_counter()
-    with tempfile.TemporaryDirectory() as folder:
-        Path(folder, "wire.inp").write_text(deck(mesh, kind))
-        done = subprocess.run(
-            ["ccx", "-i", "wire"],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            env={**os.environ, "OMP_NUM_THREADS": "2"},
-            check=False,
-        )
-        answer = Path(folder, "wire.dat")
-        if done.returncode or not answer.exists():
-            raise RuntimeError(f"ccx failed:\n{done.stdout[-2000:]}\n{done.stderr[-1000:]}")
-        B = parse(answer.read_text())
+    B = parse(answer_to(deck(mesh, kind)))
     facts: dict[str, object] = {
         "element": kind,
         "layers": layers,

@@ -15,15 +15,13 @@ this file. Units: mm, N, MPa.
 from __future__ import annotations
 
 import csv
-import os
 import re
-import subprocess
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from ccx import answer_to
 from numpy.typing import NDArray
 
 from punchform.case import (
@@ -205,20 +203,7 @@ def by_calculix(crossing: str, *, pieces: int = 1) -> tuple[Floats, float]:
     index = [(int(i), int(j)) for i, j in released.whole.index]
     held = {index[k]: released.whole.positions[k] for k in np.flatnonzero(released.hold.fixed.all(axis=1))}
     forces = {index[k]: under.applied[k] for k in np.flatnonzero(under.applied.any(axis=1))}
-    with tempfile.TemporaryDirectory() as folder:
-        Path(folder, "net.inp").write_text(deck(welded, held, forces, pieces=pieces))
-        done = subprocess.run(
-            ["ccx", "-i", "net"],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            env={**os.environ, "OMP_NUM_THREADS": "2"},
-            check=False,
-        )
-        answer = Path(folder, "net.dat")
-        if done.returncode or not answer.exists():
-            raise RuntimeError(f"ccx failed:\n{done.stdout[-2000:]}\n{done.stderr[-1000:]}")
-        shifts, reactions = tables(answer.read_text())
+    shifts, reactions = tables(answer_to(deck(welded, held, forces, pieces=pieces)))
     net = mesh(welded, pieces)
     rows = []
     for i, j in crossings():

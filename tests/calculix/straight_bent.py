@@ -17,7 +17,8 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-from crimped_pull import HalfMesh, Ints, half_section, run, solids, swept
+from ccx import answer_to
+from crimped_pull import PATIENCE, HalfMesh, Ints, half_section, solids, swept
 from crimped_wire_solids import Floats
 
 ANSWERS = Path(__file__).with_name("straight_bent.csv")
@@ -63,7 +64,8 @@ def bend(stretch: float, radius: float, *, bent_first: bool, cuts: int = CUTS) -
     """The answers for one wire, (7,) as COLUMNS says. Raises RuntimeError when ccx fails."""
     mesh = straight(cuts)
     face = mesh.faces[1]
-    moves, forces = tables(run(deck(mesh, stretch, radius, bent_first=bent_first)), face)
+    text = deck(mesh, stretch, radius, bent_first=bent_first)
+    moves, forces = tables(answer_to(text, threads=1, timeout=PATIENCE), face)
     bent, freed = (mesh.nodes[face] + moved for moved in moves[-2:])
     rises, pulls = mesh.nodes[face, 2], forces[-2][:, 0]
     levers = bent[:, 2] - mesh.section.shares @ bent[:, 2]

@@ -160,7 +160,8 @@ class Energy:
     def settled(self, state: State) -> State:
         """The state with what flowed on the way to it as its past, Eqs. (12.14)-(12.16); that of elastic wires itself.
 
-        The end forces stay what they are, the energy becomes the elastic one.
+        Pulls, torques and end moments stay what they are, but for the error of the stroke; the energy becomes that of
+        the elastic strains.
         """
         law = self.bars.yielding
         if law is None:

@@ -299,13 +299,16 @@ def stays(s, past, curve, kinematic, wire, lam, points):
     young, shear = wire[0], wire[1]
     area = 0.25 * pi * wire[2] * wire[2] / lam
     stiff = area * young * wire[2] / (16.0 * sqrt(lam))
-    e_0, e_1, e_2 = past[1] + s[0] / (area * young), past[2] + s[1] / stiff, past[3] + s[2] / stiff
-    e_3 = past[4] + s[3] * young / (2.0 * stiff * shear)
+    e = (
+        past[1] + s[0] / (area * young),
+        past[2] + s[1] / stiff,
+        past[3] + s[2] / stiff,
+        past[4] + s[3] * young / (2.0 * stiff * shear),
+    )
     for p in range(points.shape[0]):
         y, z = points[p, 0], points[p, 1]
         i = HEAD + OF_FIBRE * p
-        sigma = young * (e_0 + z * e_1 - y * e_2 - past[i]) - past[i + 3]
-        tau = shear * (sqrt(y * y + z * z) * e_3 - past[i + 1]) - past[i + 4]
+        sigma, tau = trial_of_fibre(e, past, i, y, z, sqrt(y * y + z * z), young, shear)
         size = radius(curve, kinematic, past[i + 2])
         if sigma * sigma + 3.0 * tau * tau > size * size:
             return False

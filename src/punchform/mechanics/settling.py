@@ -1,6 +1,7 @@
 """The end of a stroke: what flowed becomes the past, and the unloaded wire longer, thinner and straighter.
 
-Eqs. (12.14)-(12.16) of docs/theory.md. The end forces stay, so that a grid in equilibrium remains in it.
+Eqs. (12.14)-(12.16) of docs/theory.md. Pull, torque and end moments stay, so that a grid in equilibrium remains in it
+until its wires are asked again: what they then still flow is the error of the stroke.
 """
 
 from __future__ import annotations
