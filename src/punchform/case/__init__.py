@@ -40,6 +40,7 @@ from punchform.case.release import HoldFrom, HoldNodes, HoldPoints, HoldRing, Re
 from punchform.case.schema import json_schema
 from punchform.case.stages import Kind, LoadStage, PressStage, ReleaseStage, Settings, Step, TrimCase, TrimStage
 from punchform.case.target import TargetCase
+from punchform.case.varying import number, setting, unit, varied, written
 from punchform.case.whole import Case
 from punchform.case.wire import Centreline, CosineLine, PointsLine, StraightLine, WireCase
 from punchform.case.writing import write_case
@@ -105,11 +106,16 @@ __all__ = [
     "case_from_text",
     "json_schema",
     "machine_memory",
+    "number",
     "packaged_cases",
     "packaged_text",
     "parse",
     "read_case",
     "read_ends",
     "read_text",
+    "setting",
+    "unit",
+    "varied",
     "write_case",
+    "written",
 ]

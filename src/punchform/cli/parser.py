@@ -1,0 +1,124 @@
+"""The arguments of all commands: nothing heavy is imported here, so that `punchform --help` answers at once."""
+
+from __future__ import annotations
+
+import argparse
+from typing import NoReturn
+
+from punchform import __version__
+from punchform.cli.exits import Exit
+from punchform.cli.talk import say
+
+CASE_HELP = (
+    "case file, or packaged:check, packaged:paper, packaged:stretch, packaged:gridshell for a case that comes with the "
+    "program"
+)
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong with the arguments in the style of all other errors."""
+
+    def error(self, message: str) -> NoReturn:
+        # argparse takes -30deg for an option; behind an equals sign it is a value.
+        option = message.split()[1].rstrip(":") if message.endswith("expected one argument") else ""
+        hint = f"; a value that begins with a minus follows an equals sign: {option}=-..." if option else ""
+        say(f"error: {message}\n  hint: see `{self.prog} --help`{hint}")
+        raise SystemExit(int(Exit.UNUSABLE_INPUT))
+
+
+def parser() -> argparse.ArgumentParser:
+    """The parser of the whole command line."""
+    codes = "\n".join(f"  {code.value:>3}  {code.sentence}" for code in Exit)
+    whole = _Parser(
+        prog="punchform",
+        description="Predicts how a flat grid of wires becomes a shell when it is pressed over a punch.",
+        epilog=f"exit codes:\n{codes}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    whole.add_argument("--version", action="version", version=f"punchform {__version__}")
+    commands = whole.add_subparsers(dest="command", metavar="COMMAND", required=True)
+
+    _add_run(commands.add_parser("form", help="press the grid of a case over its punch, or move its wire ends"))
+
+    drape = commands.add_parser("drape", help="lay the grid over the punch with wires of constant length, no solve")
+    _add_run(drape)
+    drape.add_argument("--origin", metavar="X,Y", help="where the axis of the grid lies, such as '10 mm, 0 mm'")
+    drape.add_argument("--direction", metavar="ANGLE", help="direction of the first wires in plan, such as '30 deg'")
+    drape.add_argument(
+        "--shear-limit", metavar="ANGLE", help="shear at which the net locks (where neighbouring wires touch)"
+    )
+
+    _add_compare(commands.add_parser("compare", help="hold measured points against the target and a run"))
+
+    element = commands.add_parser("element", help="the stiffness of one wire between two crossings")
+    element.add_argument("case", metavar="CASE", help=CASE_HELP)
+    element.add_argument(
+        "--axes",
+        choices=("element", "paper"),
+        default="element",
+        help="axes of the matrices",
+    )
+    element.add_argument("--json", action="store_true", help="print the matrices and checks as JSON")
+    element.add_argument("--plot", metavar="FILE", help="draw the wire and its deflections (png, svg or pdf)")
+
+    materials = commands.add_parser(
+        "materials", help="what wires are made of: all materials, or one with its flow curve"
+    )
+    materials.add_argument("name", metavar="NAME", nargs="?", help="a material, such as '304 annealed'")
+    materials.add_argument("--json", action="store_true", help="print numbers and flow curves as JSON")
+    materials.add_argument("-o", "--output", metavar="FILE", help="draw the flow curve (png, svg or pdf)")
+
+    new = commands.add_parser("new", help="write a commented case file to start from")
+    new.add_argument("file", metavar="FILE", help="file to write")
+    new.add_argument("--overwrite", action="store_true", help="replace the file")
+
+    check = commands.add_parser("check", help="check a case file without running it")
+    check.add_argument("case", metavar="CASE", help=CASE_HELP)
+
+    commands.add_parser("schema", help="print the JSON schema of the case file")
+    commands.add_parser("about", help="versions, platform, linear solver, cores, memory")
+    return whole
+
+
+def _add_run(command: argparse.ArgumentParser) -> None:
+    """The arguments of a command that turns a case into a folder of results."""
+    command.add_argument("case", metavar="CASE", help=CASE_HELP)
+    command.add_argument("-o", "--output", metavar="DIR", required=True, help="folder for the results")
+    command.add_argument("--overwrite", action="store_true", help="replace an earlier run in that folder")
+    command.add_argument("--quiet", action="store_true", help="no progress and no notes")
+    command.add_argument("--json", action="store_true", help="print result.json instead of a summary")
+
+
+def _add_compare(command: argparse.ArgumentParser) -> None:
+    """The arguments of `compare`."""
+    command.add_argument("run", metavar="RUN", help="folder that `punchform form` wrote")
+    command.add_argument("points", metavar="POINTS", help="measured points: csv, txt, xyz, asc, ply or stl")
+    command.add_argument("-o", "--output", metavar="DIR", required=True, help="folder for the results")
+    command.add_argument(
+        "--units", choices=("mm", "cm", "m", "in"), help="unit of the points, where the file is silent"
+    )
+    command.add_argument(
+        "--align",
+        choices=("best-fit", "rim", "as-given"),
+        default="best-fit",
+        help="best-fit: least squares; rim: plane and circle of the rim points (3-2-1); as-given: not at all",
+    )
+    command.add_argument(
+        "--fit-to",
+        choices=("nodes", "target", "prediction"),
+        help="what a best fit goes to; else nodes where points are named i:j, else the target, else the prediction",
+    )
+    command.add_argument(
+        "--rim-points", metavar="NAMES", help="names of the points on the rim, such as 'R1,R2,R3' or 'R*'"
+    )
+    command.add_argument("--clock", metavar="NAME=ANGLE", help="direction of one point in plan, such as 'P7=90 deg'")
+    command.add_argument(
+        "--tolerance", metavar="LENGTH", help="largest rms, and band of the table, such as '0.5 mm'; else the target's"
+    )
+    command.add_argument(
+        "--skip-bad-rows", action="store_true", help="leave out rows that cannot be read, and say which"
+    )
+    command.add_argument("--drop-outliers", action="store_true", help="leave outliers out of fit and statistics")
+    command.add_argument("--overwrite", action="store_true", help="replace an earlier comparison in that folder")
+    command.add_argument("--quiet", action="store_true", help="no notes")
+    command.add_argument("--json", action="store_true", help="print comparison.json instead of a summary")
