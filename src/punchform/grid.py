@@ -135,6 +135,11 @@ def lay(
     return _grid(case, index, quarter, notes)
 
 
+def restepped(grid: Grid, step: tuple[float, float]) -> Grid:
+    """The same nodes and wires at other steps [mm], whatever the blank then holds: for derivatives by the step."""
+    return replace(grid, step=step, flat=grid.flat * (np.asarray(step) / np.asarray(grid.step)))
+
+
 def undivided(grid: Grid) -> Grid:
     """The same grid with one element between two crossings: what the net and tables of crossings know."""
     if grid.subdivide == 1:

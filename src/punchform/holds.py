@@ -66,6 +66,19 @@ def holds(grid: Grid, positions: Floats, case: ReleaseCase) -> Held:
     return Held(held, fixed & ~held[:, None], np.where(held[:, None], positions, moved))
 
 
+def followed(held: Held, formed: Floats, after: Floats, case: ReleaseCase, grid: Grid) -> Floats:
+    """Where the held nodes are, (N, 3) [mm], when the grid has been formed otherwise and ribs stand elsewhere.
+
+    formed, after (N, 3): positions after the press, as they were when it was decided what is held, and now; case: with
+    ribs that hold the same crossings at other heights. Directions that are not held are those of `after`.
+    """
+    moved = after.copy()
+    for rib in case.ribs:
+        on = _near(_off_rib(rib, formed), grid) & ~held.held
+        moved[on, 2] = after[on, 2] + rib.lift if rib.height is None else rib.height
+    return moved
+
+
 def _near(distance: Floats, grid: Grid) -> Bools:
     return np.asarray((distance <= 0.5 * min(grid.step) * (1 + EDGE)) & grid.crossings)
 

@@ -15,6 +15,7 @@ from punchform.mechanics.bars import Loads
 from punchform.mechanics.kinematics import FreeFrames, spread
 from punchform.mechanics.linear import SingularMatrix, solver_for
 from punchform.mechanics.newton import minimise
+from punchform.mechanics.outcome import Solution
 from punchform.progress import Observer, silent
 from punchform.release import Released, free_energy, node_forces
 from punchform.solved import Solved, solved
@@ -89,6 +90,23 @@ def load(
     if not solution.outcome.usable:
         raise NoEquilibrium(f"load: {solution.outcome.value}")
     solution = replace(solution, state=energy.settled(solution.state))
+    return loaded_by(energy, solution, released, elements, wire, yield_strength, linear=solver.linear)
+
+
+def loaded_by(
+    energy: Energy,
+    solution: Solution,
+    released: Released,
+    elements: tuple[Element, ...],
+    wire: WireCase,
+    yield_strength: float | None,
+    *,
+    linear: str,
+) -> Loaded:
+    """The stage that a load makes which ended so."""
+    assert energy.loads is not None
+    grid, dead, bare = energy.grid, energy.loads.forces, replace(energy, loads=None)
+    lengths = tuple(element.wire_length for element in elements)
     done = solved(energy, solution, elements, np.zeros(grid.nodes), yield_strength)
     held = released.hold.held[:, None] | released.hold.fixed
     applied = unfold_vectors(grid, dead / grid.node_weight[:, None])
@@ -98,7 +116,7 @@ def load(
         moved=done.whole.positions - released.whole.positions,
         applied=applied,
         reactions=unfold_vectors(grid, pull / grid.node_weight[:, None]),
-        compliance=_compliance(energy, released, applied, solver.linear),
+        compliance=_compliance(energy, released, applied, linear),
         mass=wire_mass(grid, wire, lengths),
     )
 

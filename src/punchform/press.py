@@ -97,7 +97,7 @@ def press(
     count = strokes_of(case, yields=elements[0].hardening is not None)
     if start is None and (case.hold is not None or count > 1):
         down = _in_strokes(count, grid, elements, surface, case, crossing, solver, observe)
-        return _formed(down, elements, surface, case, yield_strength)
+        return formed_by(down, elements, surface, case, yield_strength)
     first, doubts = _begin(grid, elements, surface, case, crossing, solver) if start is None else (start, ())
     first = squared(first) if crossing == "welded" else first
     held = None if start is None or case.rim != "clamp" else _in_the_clamp(start, surface)
@@ -106,7 +106,7 @@ def press(
     if case.method == "newton" and not solution.outcome.usable:
         raise NoEquilibrium(solution.outcome.value)
     solution = replace(solution, state=energy.settled(solution.state))
-    formed = _formed(Descent(energy, solution, (), None), elements, surface, case, yield_strength)
+    formed = formed_by(Descent(energy, solution, (), None), elements, surface, case, yield_strength)
     return replace(formed, notes=formed.notes + doubts)
 
 
@@ -316,13 +316,14 @@ def _demand_moderate(pull: tuple[float, float], elements: tuple[Element, ...]) -
             )
 
 
-def _formed(
+def formed_by(
     down: Descent,
     elements: tuple[Element, ...],
     surface: Surface,
     case: PressCase,
     yield_strength: float | None,
 ) -> Formed:
+    """The stage that a press makes which ended so."""
     energy, solution = down.energy, down.solution
     if energy.kinematics.pins:
         solution = replace(solution, state=unturned(energy.grid, solution.state))

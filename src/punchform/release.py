@@ -104,7 +104,7 @@ def release(
     energy = free_energy(grid, elements, press, held, start, crossing=crossing)
     yields = energy.bars.yielding is not None
     if held.count == 0 and not yields:
-        return _released(energy, _flat(grid), formed, elements, held, Stability(0, None), yield_strength)
+        return released_by(energy, _flat(grid), formed, elements, held, Stability(0, None), yield_strength)
     solution = _let_go(energy, start, state, solver, observe)
     if not solution.outcome.usable:
         raise NoEquilibrium(f"release: {solution.outcome.value}")
@@ -112,10 +112,10 @@ def release(
         # No grid has less energy than none: a negative eigenvalue is the rounding of a motion that costs nothing,
         # as the shear of a flat pinned grid.
         solution = replace(solution, outcome=Outcome.CONVERGED, negative_eigenvalues=0)
-        return _released(energy, solution, formed, elements, held, Stability(0, None), yield_strength)
+        return released_by(energy, solution, formed, elements, held, Stability(0, None), yield_strength)
     solution = replace(solution, state=energy.settled(solution.state))
     found = stability(energy, solution.state, linear=solver.linear, negative=solution.negative_eigenvalues)
-    done = _released(energy, solution, formed, elements, held, found, yield_strength)
+    done = released_by(energy, solution, formed, elements, held, found, yield_strength)
     if not isinstance(formed, Formed) or solution.outcome is not Outcome.CONVERGED:
         return done
     return replace(done, split=springback(energy, formed, state, done.state, done.moved, linear=solver.linear))
@@ -207,7 +207,7 @@ def node_forces(energy: Energy, state: State) -> Floats:
     return np.asarray(forces)
 
 
-def _released(
+def released_by(
     energy: Energy,
     solution: Solution,
     formed: Shaped,
@@ -216,6 +216,7 @@ def _released(
     found: Stability,
     yield_strength: float | None,
 ) -> Released:
+    """The stage that a release makes which ended so."""
     grid = energy.grid
     done = solved(energy, solution, elements, np.zeros(grid.nodes), yield_strength)
     forces = np.where(held.held[:, None] | held.fixed, node_forces(energy, solution.state), 0.0)

@@ -134,6 +134,15 @@ def unfold_vectors(grid: Grid, vectors: Floats, odd: tuple[bool, bool] = (False,
     return np.asarray(vectors[source] * space * flips[:, None])
 
 
+def fold_vectors(grid: Grid, vectors: Floats) -> Floats:
+    """What vectors at the nodes of the whole grid (N, 3) do to the solved nodes (n, 3): the transpose of unfolding."""
+    source, signs = _node_copies(grid)
+    space = np.column_stack((signs, np.ones(len(signs), dtype=np.int64)))
+    folded = np.zeros((grid.nodes, 3))
+    np.add.at(folded, source, vectors * space)
+    return folded
+
+
 def spread_over(grid: Grid, values: NodeValues) -> NodeValues:
     """What is known of the solved nodes (N, ...) and the same for mirror images, of all nodes of the whole grid."""
     return np.asarray(values[_node_copies(grid)[0]])

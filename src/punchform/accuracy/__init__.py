@@ -4,6 +4,7 @@ from punchform.accuracy.crown import MIDDLE, WireSurface, wire_surface
 from punchform.accuracy.deviation import MEASURES, Deviations, Measure, deviations, feet, offset, slopes
 from punchform.accuracy.facets import Facets, facets, square_cell, triangle_sigma
 from punchform.accuracy.fit import ALIGNMENTS, Fit, best_fit, implied_shift
+from punchform.accuracy.gradient import Judged, judged_at, rms_gradient
 from punchform.accuracy.harmonics import Harmonic, Harmonics, harmonics
 from punchform.accuracy.hidden import hidden_error
 from punchform.accuracy.measure import Accuracy, Aligned, Judge, measure, measure_case
@@ -26,6 +27,7 @@ __all__ = [
     "Harmonic",
     "Harmonics",
     "Judge",
+    "Judged",
     "Measure",
     "Pose",
     "Statistics",
@@ -38,11 +40,13 @@ __all__ = [
     "harmonics",
     "hidden_error",
     "implied_shift",
+    "judged_at",
     "measure",
     "measure_case",
     "offset",
     "place",
     "plain",
+    "rms_gradient",
     "slopes",
     "square_cell",
     "statistics",

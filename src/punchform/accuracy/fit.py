@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -29,6 +30,8 @@ UNITS = MappingProxyType({"u": 1.0, "v": 1.0, "w": 1.0, "alpha": 1e-3, "beta": 1
 
 SINGULAR = 1e10
 """A condition number beyond which parameters cannot be told apart in double precision."""
+POLISH, NEARBY = 4, 1e-3
+"""How many steps polish a pose that has been found, and the largest that still does so [mm, mrad]."""
 
 
 @dataclass(frozen=True)
@@ -81,13 +84,23 @@ def best_fit(points: Floats, weights: Floats, target: Target, free: tuple[str, .
     found = least_squares(
         residual, np.zeros(len(free)), jacobian, bounds, ftol=1e-15, xtol=1e-11, gtol=1e-15, max_nfev=200
     )
-    best = pose(found.x)
+    best = pose(_polished(found.x, residual, jacobian))
     value, full = slopes(points, target, best, measure)
     scaled = full[:, columns] * unit
     condition = _condition(root[:, None] * scaled)
     sigmas = _sigmas(scaled, share, value, condition) * unit
     rms = math.sqrt(float(share @ value**2))
     return Fit(free, measure, best, rms, condition, dict(zip(free, sigmas.tolist(), strict=True)), found.success)
+
+
+def _polished(x: Floats, residual: Callable[[Floats], Floats], jacobian: Callable[[Floats], Floats]) -> Floats:
+    """A few more steps of Gauss and Newton: an rms that no longer falls leaves its pose half of the digits."""
+    for _ in range(POLISH):
+        step = np.linalg.lstsq(jacobian(x), residual(x), rcond=1.0 / SINGULAR)[0]
+        if not np.linalg.norm(step) <= NEARBY:
+            break
+        x = x - step
+    return x
 
 
 def implied_shift(target: Target, pose: Pose) -> Floats:

@@ -111,16 +111,22 @@ class Accuracy:
 
 
 def measure_case(
-    points: Floats, cells: Ints, case: TargetCase, *, apex_height: float, surface: WireSurface = MIDDLE
+    points: Floats,
+    cells: Ints,
+    case: TargetCase,
+    *,
+    apex_height: float,
+    surface: WireSurface = MIDDLE,
+    mask: Bools | None = None,
 ) -> Accuracy:
     """The accuracy of points (n, 3) [mm] with cells (K, 4) by the [target] of a case, its vertex at z = apex_height.
 
-    Raises InputError as `measure` and `place` do.
+    mask (n,): the judged nodes, when it is not the aperture that says so. Raises what `measure` and `place` raise.
     """
     target = place(case.profile, case.aperture_radius, apex_height=apex_height)
     aperture = Aperture(case.aperture_radius, case.inner_radius, case.taper or 0.0)
     judge = Judge(case.tolerance, case.measure, case.alignment)
-    return measure(points, target, aperture, cells=cells, judge=judge, surface=surface)
+    return measure(points, target, aperture, cells=cells, judge=judge, surface=surface, mask=mask)
 
 
 def measure(
@@ -133,18 +139,20 @@ def measure(
     judge: Judge | None = None,
     fit_measure: Measure | None = None,
     surface: WireSurface = MIDDLE,
+    mask: Bools | None = None,
 ) -> Accuracy:
     """How near points (n, 3) [mm] come to the target inside the aperture.
 
     cells (K, 4): give each node its projected area, Eq. (9.6), or weights (n,) do; all nodes count alike without both.
     fit_measure: what the best fits minimise, half-path for paraboloids and normal for others unless given.
-    surface: the deviations are told of points that far above the nodes. Raises InputError when the aperture holds
-    too few nodes.
+    surface: the deviations are told of points that far above the nodes; mask (n,): the judged nodes, so that none
+    comes or goes between shapes that hardly differ; those in the aperture when it is not given. Raises InputError
+    when the aperture holds too few nodes.
     """
     judge = judge or Judge()
     fit_measure = fit_measure or ("normal" if target.focal_length is None else "half-path")
     places = offset(points, target, surface.offset) if surface.offset else points
-    mask = aperture.mask(points)
+    mask = aperture.mask(points) if mask is None else mask
     weighed, weighting, notes = _weigh(points, cells, weights, aperture, mask)
     inside, heavy = places[mask], weighed[mask]
     narrow = "3-parameter" if target.focal_length is None else "4-parameter"

@@ -19,12 +19,32 @@ from punchform.wire import pieces, stiffness
 
 @dataclass(frozen=True)
 class Figure:
-    """A number of a run: its unit, what it is, what it is read from (None where the run does not have it)."""
+    """A number of a run: its unit, what it is, what it is read from (None where the run does not have it).
+
+    deviation: whose rms it is, of a measure as held or fitted; None for other figures.
+    """
 
     name: str
     unit: str
     words: str
     of: Callable[[Run], float | None]
+    deviation: Deviation | None = None
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """Which deviation an rms is of; that which the target judges where the measure is None."""
+
+    measure: Measure | None
+    fitted: bool = False
+
+    def judged(self, case: Case) -> tuple[Measure, bool]:
+        """Measure and whether after the best fit, of a case. Raises InputError for one without target."""
+        if case.target is None:
+            raise InputError.of("the case has no [target], so there is no deviation from it", where="target")
+        if self.measure is None:
+            return case.target.measure, case.target.alignment == "best fit"
+        return self.measure, self.fitted
 
 
 def figures(run: Run) -> dict[str, float | None]:
@@ -43,7 +63,7 @@ def gain_loss(run: Run, *, frequency: float) -> float | None:
     """Loss of gain [dB] at a frequency [GHz] by the half-path error after the best fit, Eq. (9.19)."""
     from punchform.antenna import SPEED_OF_LIGHT
 
-    error = _rms("half-path", fitted=True)(run)
+    error = FIGURES["rms_half_path_fitted"].of(run)
     return None if error is None else loss(error, SPEED_OF_LIGHT / frequency)
 
 
@@ -66,14 +86,14 @@ def _judged(run: Run) -> float | None:
     return None if run.accuracy is None else run.accuracy.judged.rms
 
 
-def _rms(measure: Measure, *, fitted: bool) -> Callable[[Run], float | None]:
+def _rms(measure: Measure, *, fitted: bool) -> tuple[Callable[[Run], float | None], Deviation]:
     def of(run: Run) -> float | None:
         if run.accuracy is None:
             return None
         aligned = run.accuracy.fitted if fitted else run.accuracy.as_held
         return aligned.statistics[measure].rms
 
-    return of
+    return of, Deviation(measure, fitted)
 
 
 def _largest_stress_ratio(run: Run) -> float | None:
@@ -98,13 +118,13 @@ def _deflection(run: Run) -> float | None:
 
 
 _ALL = (
-    Figure("rms", "mm", "rms deviation that decides: measure and alignment of [target]", _judged),
-    Figure("rms_normal", "mm", "rms deviation along the normals, as held", _rms("normal", fitted=False)),
-    Figure("rms_axial", "mm", "rms deviation along the axis, as held", _rms("axial", fitted=False)),
-    Figure("rms_half_path", "mm", "rms half-path error, as held", _rms("half-path", fitted=False)),
-    Figure("rms_normal_fitted", "mm", "rms deviation along the normals, best fit", _rms("normal", fitted=True)),
-    Figure("rms_axial_fitted", "mm", "rms deviation along the axis, best fit", _rms("axial", fitted=True)),
-    Figure("rms_half_path_fitted", "mm", "rms half-path error, best fit", _rms("half-path", fitted=True)),
+    Figure("rms", "mm", "rms deviation that decides: measure and alignment of [target]", _judged, Deviation(None)),
+    Figure("rms_normal", "mm", "rms deviation along the normals, as held", *_rms("normal", fitted=False)),
+    Figure("rms_axial", "mm", "rms deviation along the axis, as held", *_rms("axial", fitted=False)),
+    Figure("rms_half_path", "mm", "rms half-path error, as held", *_rms("half-path", fitted=False)),
+    Figure("rms_normal_fitted", "mm", "rms deviation along the normals, best fit", *_rms("normal", fitted=True)),
+    Figure("rms_axial_fitted", "mm", "rms deviation along the axis, best fit", *_rms("axial", fitted=True)),
+    Figure("rms_half_path_fitted", "mm", "rms half-path error, best fit", *_rms("half-path", fitted=True)),
     Figure("apex", "mm", "how far the middle rises when let go", _apex),
     Figure("max_sag", "mm", "largest move downwards when let go, with its sign", _sag),
     Figure("max_shear", "deg", "largest shear of a cell in the press", lambda run: math.degrees(run.formed.max_shear)),

@@ -1,0 +1,307 @@
+"""What matters: the derivatives of a run's figures by the numbers of its case, and what tolerance each number needs.
+
+Elastic grids are followed by their tangents, and the gradient of an rms by its adjoint, Eqs. (13.21)-(13.26). Where
+there are none, as for wires that yield, complete runs on both sides of the number tell the slope. What is held by its
+radius changes crossing by crossing: there the runs are a step of the grid apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from punchform.accuracy import Judged
+from punchform.arrays import Floats
+from punchform.case import Case, number, setting, unit, varied
+from punchform.errors import InputError, NoEquilibrium
+from punchform.optimise.adjoint import adjoint
+from punchform.optimise.figures import FIGURES, figure
+from punchform.optimise.knots import family, knots, slope, step_of
+from punchform.optimise.tangents import Equilibria, equilibria, judged, tangent_runs, why_not
+from punchform.run import Run, run
+
+How = Literal["tangent", "differences", "a step apart"]
+APART = 5e-3
+"""How far complete runs are from the number on either side, as a part of it."""
+BENT = 0.2
+"""A figure whose two one-sided slopes differ by more than this part of their mean is told to be far from a line."""
+VARIED = ("grid", "wire", "punch", "press", "release", "load")
+CROSSING_BY_CROSSING = ("release.hold.",)
+"""What decides which crossings are held: these come and go one by one."""
+OF_LOADS = ("compliance", "rms_deflection")
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What is read of a run: its figures, the deviations (n,) of the judged nodes [mm], and which nodes these are."""
+
+    figures: Mapping[str, float | None]
+    deviations: Floats | None
+    judged: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """What one number does.
+
+    value: of the number, in `unit`; slopes: of the figures by it, None where a figure is not known; shape: weighted
+    rms of the rate at which the judged nodes move along the judged measure [mm per unit], None without a target or
+    where nodes come and go; how: it was found; remark: what to know about it, else empty.
+    """
+
+    place: str
+    value: float
+    unit: str
+    slopes: Mapping[str, float | None]
+    shape: float | None
+    how: How
+    remark: str = ""
+
+    def tolerance(self, rms: float, allowed: float) -> float | None:
+        """How far the number may be off, to either side, so that an rms [mm] stays within what is allowed, Eq. (13.28).
+
+        0 where the rms is beyond it already, None where that is not known, infinite for a number without effect.
+        """
+        slope_ = self.slopes.get("rms")
+        if slope_ is None or self.shape is None:
+            return None
+        left = allowed**2 - rms**2
+        if left <= 0:
+            return 0.0
+        drift = abs(rms * slope_)
+        return float("inf") if self.shape == 0.0 else left / (drift + (drift**2 + left * self.shape**2) ** 0.5)
+
+
+@dataclass(frozen=True)
+class Sensitivities:
+    """All of them: rows in the order of `places`; seen: the run itself; factorisations: beyond those of the run."""
+
+    case: Case
+    rows: tuple[Sensitivity, ...]
+    figures: tuple[str, ...]
+    seen: Seen
+    why_differences: str
+    runs: int
+    factorisations: int
+
+
+Many = Callable[[Sequence[Case], Sequence[str]], Iterable["Seen | str"]]
+"""Runs cases and reads them, in their order; a text where one of them cannot be run."""
+
+
+def numbers(case: Case) -> tuple[str, ...]:
+    """The places of all numbers of a case that can vary without bound to whole ones: what could matter."""
+    content = case.model_dump(by_alias=True)
+    found = (place for name in VARIED for place in _leaves(content.get(name), name))
+    pair = len(set(case.grid.step)) == 1
+    places = (("grid.step" if pair and place.startswith("grid.step[") else place) for place in found)
+    return tuple(place for place in dict.fromkeys(places) if not _left_out(case, place))
+
+
+def sensitivities(
+    base: Run, places: Sequence[str] | None = None, *, names: Sequence[str] = ("rms",), many: Many | None = None
+) -> Sensitivities:
+    """The derivatives of figures of a run by numbers of its case: all that vary, or those at given places.
+
+    many: runs the cases that differences need; one after the other when it is not given. Raises InputError for places
+    that hold no number and for figures that do not exist.
+    """
+    case = base.case
+    places = numbers(case) if places is None else tuple(dict.fromkeys(places))
+    for name in names:
+        figure(name)
+    for place in places:
+        number(case, place)
+    reason = why_not(base)
+    rest = None if reason else equilibria(base)
+    here = seen(base, names)
+    smooth = [place for place in places if rest is not None and not place.startswith(CROSSING_BY_CROSSING)]
+    rows = {} if rest is None else {place: _by_tangent(rest, place, names) for place in smooth}
+    others = [place for place in places if place not in rows]
+    rows |= _by_differences(case, here, others, names, many or one_by_one)
+    return Sensitivities(
+        case,
+        tuple(rows[place] for place in places),
+        tuple(names),
+        here,
+        reason,
+        2 * len(others),
+        0 if rest is None else rest.factorisations,
+    )
+
+
+def gradients(base: Run, places: Sequence[str], names: Sequence[str]) -> dict[str, dict[str, float]]:
+    """Derivatives {figure: {place: dF/dp}} of figures of a run whose equilibria have tangents.
+
+    Those of an rms by its adjoint, whose cost does not grow with the number of places. Raises InputError where
+    `why_not` finds a reason, for a figure that the run does not have, and for places that hold no number.
+    """
+    rest = equilibria(base)
+    steps = {place: step_of(base.case, place) for place in places}
+    at = {place: knots(rest.ready, family(base.case, place), step) for place, step in steps.items()}
+    found: dict[str, dict[str, float]] = {}
+    others = []
+    for name in names:
+        of = figure(name).deviation
+        if figure(name).of(base) is None:
+            raise InputError.of(f"the run has no figure {name!r}")
+        if of is None:
+            others.append(name)
+        else:
+            back = adjoint(rest, of)
+            found[name] = {place: back.slope(at[place]) for place in places}
+    loaded = any(name in OF_LOADS for name in others)
+    for place in places if others else ():
+        runs = tangent_runs(rest, at[place], loaded=loaded)
+        for name in others:
+            found.setdefault(name, {})[place] = float(slope([_known(name, one) for one in runs], steps[place]))
+    return found
+
+
+def one_by_one(cases: Sequence[Case], names: Sequence[str]) -> Iterator[Seen | str]:
+    """Run the cases in this process, one after the other."""
+    return (looked_at(case, names) for case in cases)
+
+
+def looked_at(case: Case, names: Sequence[str]) -> Seen | str:
+    """What is read of the run of a case; the words of what goes wrong."""
+    try:
+        return seen(run(case), names)
+    except (InputError, NoEquilibrium) as error:
+        return str(error)
+
+
+def seen(done: Run, names: Sequence[str]) -> Seen:
+    """What is read of a run."""
+    found = {name: FIGURES[name].of(done) for name in dict.fromkeys(("rms", *names))}
+    accuracy = done.accuracy
+    if accuracy is None:
+        return Seen(found, None, ())
+    judge, mask = accuracy.judge, accuracy.mask
+    aligned = accuracy.as_held if judge.alignment == "as held" else accuracy.fitted
+    index = done.final.whole.index[mask].tolist()
+    return Seen(found, aligned.deviations.of(judge.measure)[mask], tuple((i, j) for i, j in index))
+
+
+def _by_tangent(rest: Equilibria, place: str, names: Sequence[str]) -> Sensitivity:
+    case = rest.run.case
+    step, loaded = step_of(case, place), any(name in OF_LOADS for name in names)
+    try:
+        at = knots(rest.ready, family(case, place), step)
+    except InputError as error:
+        return _unknown(case, place, names, "tangent", f"cannot vary: {error.problems[0].message}")
+    runs = tangent_runs(rest, at, loaded=loaded)
+    slopes: dict[str, float | None] = {}
+    shape: float | None = None
+    for name in dict.fromkeys(("rms", *names)):
+        of = FIGURES[name].deviation
+        if of is None:
+            slopes[name] = _slope([FIGURES[name].of(one) for one in runs], step)
+        elif rest.run.accuracy is None:
+            slopes[name] = None
+        else:
+            measure, fitted = of.judged(case)
+            pairs = zip(at, runs, strict=True)
+            looks = [judged(rest, knot, one.final.state, measure, fitted=fitted) for knot, one in pairs]
+            slopes[name] = float(slope([look.rms for look in looks], step))
+            if name == "rms":
+                weights = rest.run.accuracy.weights[rest.run.accuracy.mask]
+                shape = Judged(slope([look.deviations for look in looks], step), weights).rms
+    return Sensitivity(place, number(case, place), unit(case, place), slopes, shape, "tangent")
+
+
+def _slope(values: Sequence[float | None], step: float) -> float | None:
+    known = [value for value in values if value is not None]
+    return float(slope(known, step)) if len(known) == len(values) else None
+
+
+def _by_differences(
+    case: Case, here: Seen, places: Sequence[str], names: Sequence[str], many: Many
+) -> dict[str, Sensitivity]:
+    """By complete runs on both sides of each number; all of them are asked for at once, so that they can be shared."""
+    asked: list[tuple[str, float]] = []
+    cases: list[Case] = []
+    rows: dict[str, Sensitivity] = {}
+    for place in places:
+        apart = _apart(case, place)
+        try:
+            both = [varied(case, {place: number(case, place) + sign * apart}) for sign in (-1, 1)]
+        except InputError as error:
+            rows[place] = _unknown(case, place, names, "differences", f"cannot vary: {error.problems[0].message}")
+            continue
+        asked.append((place, apart))
+        cases += both
+    answers = list(many(cases, names))
+    for (place, apart), below, above in zip(asked, answers[::2], answers[1::2], strict=True):
+        how: How = "a step apart" if place.startswith(CROSSING_BY_CROSSING) else "differences"
+        if isinstance(below, str) or isinstance(above, str):
+            wrong = below if isinstance(below, str) else str(above)
+            rows[place] = _unknown(case, place, names, how, f"a run beside it failed: {wrong}")
+        else:
+            rows[place] = _between(case, place, apart, (below, here, above), how)
+    return rows
+
+
+def _apart(case: Case, place: str) -> float:
+    if place.startswith(CROSSING_BY_CROSSING):
+        return max(case.grid.step)
+    value = abs(number(case, place))
+    return APART * value if value else APART * step_of(case, place) / 2e-4
+
+
+def _between(case: Case, place: str, apart: float, looks: tuple[Seen, Seen, Seen], how: How) -> Sensitivity:
+    """The slopes between the runs below and above a number, with what makes them doubtful."""
+    below, here, above = looks
+    slopes: dict[str, float | None] = {}
+    bent = []
+    for name, middle in here.figures.items():
+        low, high = below.figures[name], above.figures[name]
+        if low is None or high is None or middle is None:
+            slopes[name] = None
+            continue
+        slopes[name] = (high - low) / (2 * apart)
+        if abs(high + low - 2 * middle) > BENT * max(abs(high - low), 1e-6 * abs(middle)):
+            bent.append(name)
+    same = below.judged == here.judged == above.judged
+    remark = "crossings come and go between the runs" if not same else ""
+    if bent and same:
+        remark = f"{', '.join(bent)} not a line between the runs"
+    shape = None
+    if same and below.deviations is not None and above.deviations is not None:
+        shape = float(np.sqrt(np.mean(((above.deviations - below.deviations) / (2 * apart)) ** 2)))
+    return Sensitivity(place, number(case, place), unit(case, place), slopes, shape, how, remark)
+
+
+def _unknown(case: Case, place: str, names: Sequence[str], how: How, remark: str) -> Sensitivity:
+    nothing = dict.fromkeys(("rms", *names))
+    return Sensitivity(place, number(case, place), unit(case, place), nothing, None, how, remark)
+
+
+def _known(name: str, done: Run) -> float:
+    value = FIGURES[name].of(done)
+    assert value is not None
+    return value
+
+
+def _leaves(value: Any, place: str) -> Iterator[str]:
+    """The places of the floats in tables and lists."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _leaves(inner, f"{place}.{key}")
+    elif isinstance(value, list | tuple):
+        for count, inner in enumerate(value):
+            yield from _leaves(inner, f"{place}[{count}]")
+    elif isinstance(value, float):
+        yield place
+
+
+def _left_out(case: Case, place: str) -> bool:
+    """What is no number of the workshop: outlines, whose crossings come and go; points along an axis; matrices."""
+    follows = place == "wire.height" and case.wire.stiffness is None
+    along = place.endswith("][0]") and "points[" in place
+    outline = place.startswith(("grid.blank", "press.ends", "press.descent", "punch.correction", "wire.stiffness"))
+    bare = setting(case, place) is None
+    return follows or along or outline or bare

@@ -1,0 +1,309 @@
+"""Equilibria that move with a setting: press, release and load to first order, Eqs. (13.21)-(13.24).
+
+A stage rests where the gradient g(z, p) over its unknowns is zero. With the Hessian H, factored once,
+
+    dz/dp = -H⁻¹ ∂g/∂p,
+
+where ∂g/∂p is taken at fixed unknowns, with the nodes carried by the punch as it changes and, after the press, with
+what is held carried by the stage before. The explicit derivatives are differences of closed forms; no equilibrium is
+solved again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from punchform.accuracy import Judged, Measure, judged_at
+from punchform.arrays import Floats
+from punchform.case import Case, CrossingSpring, PressCase
+from punchform.errors import InputError
+from punchform.forces import forces
+from punchform.holds import Held, followed
+from punchform.load import Loaded, loaded_by
+from punchform.mechanics.assembly import Energy, Hessian
+from punchform.mechanics.bars import Loads
+from punchform.mechanics.differences import Differences
+from punchform.mechanics.footing import normals_of
+from punchform.mechanics.frames import State
+from punchform.mechanics.kinematics import Chart, FreeFrames
+from punchform.mechanics.linear import Factor, solver_for
+from punchform.mechanics.outcome import Outcome, Solution
+from punchform.optimise.knots import Knot, slope
+from punchform.prepare import Prepared, prepare
+from punchform.press import Formed, energy_of, formed_by
+from punchform.punch import project
+from punchform.release import Released, free_energy, released_by
+from punchform.run import Run, Stage
+from punchform.solved import Solved, bars_of
+from punchform.strokes import Descent
+from punchform.whole import unfold_vectors
+
+
+@dataclass(frozen=True)
+class Rest:
+    """A stage at rest: its energy, the unknowns around its state, and the factored Hessian."""
+
+    energy: Energy
+    chart: Chart
+    factor: Factor
+
+    def follow(self, residuals: Sequence[Floats], step: float) -> Floats:
+        """The rate dz/dp of the unknowns (n,) from the gradients at the knots, Eq. (13.21)."""
+        return -self.factor.solve(slope(residuals, step))
+
+
+@dataclass(frozen=True)
+class Equilibria:
+    """A run and its stages at rest; `released` and `loaded` are None where there is no such stage or nothing held."""
+
+    run: Run
+    ready: Prepared
+    pressed: Rest
+    released: Rest | None
+    loaded: Rest | None
+
+    @property
+    def factorisations(self) -> int:
+        """How many matrices were factored for all of this."""
+        return sum(rest is not None for rest in (self.pressed, self.released, self.loaded))
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A stage at one knot: its energy there, and a state with its gradient that may still have to follow."""
+
+    energy: Energy
+    state: State
+
+    @property
+    def residual(self) -> Floats:
+        """The gradient over the unknowns, (n,)."""
+        return self.energy.gradient(self.energy.kinematics.chart(self.state)).gradient
+
+    def along(self, z: Floats) -> Moved:
+        """The stage after the step z (n,) of its unknowns."""
+        return replace(self, state=self.energy.kinematics.chart(self.state).moved(z))
+
+
+def why_not(run: Run) -> str:
+    """Why the equilibria of a run cannot be followed by their tangents; empty when they can."""
+    case = run.case
+    kinds = [stage.kind for stage in run.stages]
+    released = run.released
+    if case.wire.yields:
+        return "the wire yields, so that every stroke depends on those before it"
+    if case.press.hold is not None:
+        return "a blank holder brakes the flange, so that every stroke depends on those before it"
+    if case.press.pull is not None:
+        return "the pull follows the wire ends and has no energy"
+    if case.press.method != "newton":
+        return "the descent ends before the minimum"
+    if kinds != ["press", "release", "load"][: len(kinds)]:
+        return "the grid goes through stages other than one press, one release and one load"
+    if released is not None and released.grid.nodes != run.formed.grid.nodes:
+        return "the release leaves the mirror planes of the press"
+    if released is not None and released.hold.count and _freed(run, prepare(case), released.state).kinematics.pins:
+        return "what is held leaves the released grid free to move as a whole"
+    return ""
+
+
+def equilibria(run: Run) -> Equilibria:
+    """The stages of a run at rest, each factored once. Raises InputError where `why_not` finds a reason."""
+    reason = why_not(run)
+    if reason:
+        raise InputError.of(f"there are no tangents of this run: {reason}")
+    ready = prepare(run.case)
+    released = run.released
+    freed = None if released is None or released.hold.count == 0 else _rest_of_release(run, ready)
+    return Equilibria(
+        run, ready, _rest_of_press(run, ready), freed, None if run.loaded is None else _rest_of_load(run, ready)
+    )
+
+
+def tangent_runs(rest: Equilibria, knots: Sequence[Knot], *, loaded: bool = False) -> tuple[Run, ...]:
+    """The run at the knots, as its equilibria follow to first order: figures of these have the right derivative.
+
+    They are not measured against the target: `judged` does that for what is asked.
+    loaded: also the load, whose compliance costs a factorisation at each knot.
+    """
+    pressed = _following(rest.pressed, [pressed_at(rest, knot) for knot in knots], knots)
+    formed = tuple(_formed(rest, knot, moved) for knot, moved in zip(knots, pressed, strict=True))
+    released: tuple[Released | None, ...] = (None,) * len(knots)
+    under_load: tuple[Loaded | None, ...] = (None,) * len(knots)
+    if rest.run.released is not None:
+        freed = released_at_all(rest, knots, [moved.state for moved in pressed])
+        released = tuple(
+            _released(rest, knot, moved, one) for knot, moved, one in zip(knots, freed, formed, strict=True)
+        )
+    if loaded and rest.run.loaded is not None:
+        under_load = _loaded(rest, knots, released)
+    return tuple(
+        _run(rest.run, knot, *stages)
+        for knot, stages in zip(knots, zip(formed, released, under_load, strict=True), strict=True)
+    )
+
+
+def judged(rest: Equilibria, knot: Knot, state: State, measure: Measure, *, fitted: bool) -> Judged:
+    """The deviations of a state from the target of a knot, at the nodes that were judged in the run."""
+    like, target = rest.run.accuracy, knot.case.target
+    if like is None or target is None:
+        raise InputError.of("the case has no [target], so there is no deviation from it", where="target")
+    points, height = crossings(rest, state), knot.punch.height_at_axis
+    cells = rest.run.final.whole.cells
+    return judged_at(points, cells, target, like, apex_height=height, measure=measure, fitted=fitted)
+
+
+def crossings(rest: Equilibria, state: State) -> Floats:
+    """Places (n, 3) [mm] of the crossings of the whole grid in a state, NaN for nodes between them."""
+    points = unfold_vectors(rest.ready.grid, state.positions)
+    return np.where(rest.run.final.whole.between[:, None] == 0, points, np.nan)
+
+
+def pressed_at(rest: Equilibria, knot: Knot) -> Moved:
+    """The press at a knot before its unknowns follow: nodes on the punch there, clamped ones on the flat grid there."""
+    energy, state = rest.pressed.energy, rest.run.formed.state
+    old = energy.kinematics
+    assert isinstance(old, FreeFrames | Differences)
+    assert old.surface is not None
+    kinematics = replace(old, grid=knot.grid, surface=knot.punch)
+    positions = state.positions.copy()
+    positions[old.held, :2] += (knot.grid.flat - rest.ready.grid.flat)[old.held]
+    free = ~old.held
+    normals = normals_of(old.surface.gap(state.positions[free]))
+    positions[free] = project(knot.punch, positions[free], normals)
+    moved = _moved(energy, knot, replace(state, positions=positions))
+    return replace(moved, energy=replace(moved.energy, kinematics=kinematics))
+
+
+def released_at(rest: Equilibria, knot: Knot, formed: State) -> Moved:
+    """The release at a knot before its unknowns follow: what is held has moved with the state it was formed to."""
+    assert rest.released is not None
+    assert rest.run.released is not None
+    assert knot.case.release is not None
+    held, state = rest.run.released.hold, rest.run.released.state
+    places = followed(held, rest.run.formed.state.positions, formed.positions, knot.case.release, knot.grid)
+    return _moved(rest.released.energy, knot, _holding(state, held, replace(formed, positions=places)))
+
+
+def released_at_all(rest: Equilibria, knots: Sequence[Knot], formed: Sequence[State]) -> list[Moved]:
+    """The release at the knots after its unknowns have followed; of a grid that nothing holds the flat grid there."""
+    if rest.released is None:
+        assert rest.run.released is not None
+        energy = _freed(rest.run, rest.ready, rest.run.released.state)
+        flat = rest.run.released.state
+        steps = [np.column_stack((knot.grid.flat, flat.positions[:, 2])) for knot in knots]
+        return [_moved(energy, knot, replace(flat, positions=at)) for knot, at in zip(knots, steps, strict=True)]
+    moved = [released_at(rest, knot, state) for knot, state in zip(knots, formed, strict=True)]
+    return _following(rest.released, moved, knots)
+
+
+def _following(rest: Rest, moved: Sequence[Moved], knots: Sequence[Knot]) -> list[Moved]:
+    """The stage at the knots after its unknowns have followed the setting."""
+    step = knots[2].offset
+    rate = rest.follow([one.residual for one in moved], step)
+    return [one.along(knot.offset * rate) for one, knot in zip(moved, knots, strict=True)]
+
+
+def _moved(energy: Energy, knot: Knot, state: State) -> Moved:
+    """A stage with grid, wires and crossings of a knot."""
+    crossing, kinematics = knot.case.grid.crossing, energy.kinematics
+    assert isinstance(kinematics, FreeFrames | Differences)
+    there = replace(
+        energy,
+        grid=knot.grid,
+        bars=bars_of(knot.elements, _press_of(knot.case)),
+        kinematics=replace(kinematics, grid=knot.grid),
+        crossing=crossing.stiffness if isinstance(crossing, CrossingSpring) else 0.0,
+    )
+    return Moved(there, state)
+
+
+def _holding(state: State, held: Held, places: State) -> State:
+    """The state with what is held where `places` has it."""
+    positions = np.where(held.held[:, None] | held.fixed, places.positions, state.positions)
+    normals = np.where(held.held[:, None], places.normals, state.normals)
+    tangents = np.where(held.held[:, None, None], places.tangents, state.tangents)
+    return State(positions, normals, tangents)
+
+
+def _rest(energy: Energy, state: State, linear: str) -> Rest:
+    chart = energy.kinematics.chart(state)
+    values = energy.model(chart, Hessian.EXACT).values
+    return Rest(energy, chart, solver_for(energy.pattern, linear).factor(values))
+
+
+def _rest_of_press(run: Run, ready: Prepared) -> Rest:
+    case, formed = run.case, run.formed
+    energy = energy_of(
+        ready.grid, ready.elements, formed.surface, _press_of(case), crossing=case.grid.crossing, start=formed.state
+    )
+    return _rest(energy, formed.state, case.solver.linear)
+
+
+def _rest_of_release(run: Run, ready: Prepared) -> Rest:
+    assert run.released is not None
+    return _rest(_freed(run, ready, run.released.state), run.released.state, run.case.solver.linear)
+
+
+def _rest_of_load(run: Run, ready: Prepared) -> Rest:
+    assert run.loaded is not None
+    return _rest(_freed(run, ready, run.loaded.state), run.loaded.state, run.case.solver.linear)
+
+
+def _freed(run: Run, ready: Prepared, state: State) -> Energy:
+    assert run.released is not None
+    case = run.case
+    return free_energy(
+        ready.grid, ready.elements, _press_of(case), run.released.hold, state, crossing=case.grid.crossing
+    )
+
+
+def _press_of(case: Case) -> PressCase:
+    return case.framed(case.press)
+
+
+def _ended(done: Solved, state: State) -> Solution:
+    return Solution(state, Outcome.CONVERGED, (), done.steps, done.factorisations, 0, done.negative_eigenvalues)
+
+
+def _formed(rest: Equilibria, knot: Knot, moved: Moved) -> Formed:
+    down = Descent(moved.energy, _ended(rest.run.formed, moved.state), rest.run.formed.strokes, None)
+    return formed_by(down, knot.elements, knot.punch, _press_of(knot.case), knot.case.wire.yield_strength)
+
+
+def _released(rest: Equilibria, knot: Knot, moved: Moved, formed: Formed) -> Released:
+    base = rest.run.released
+    assert base is not None
+    ended = _ended(base, moved.state)
+    strength = knot.case.wire.yield_strength
+    return released_by(moved.energy, ended, formed, knot.elements, base.hold, base.stability, strength)
+
+
+def _loaded(rest: Equilibria, knots: Sequence[Knot], released: Sequence[Released | None]) -> tuple[Loaded, ...]:
+    """The load at the knots: dead forces of the released state there, and what is held where that has it."""
+    assert rest.loaded is not None
+    assert rest.run.loaded is not None
+    base, moved = rest.run.loaded, []
+    for knot, freed in zip(knots, released, strict=True):
+        assert freed is not None
+        assert knot.case.load is not None
+        lengths = tuple(element.wire_length for element in knot.elements)
+        dead = forces(knot.grid, freed.state, knot.case.load, knot.case.wire, lengths)
+        there = _moved(rest.loaded.energy, knot, _holding(base.state, freed.hold, freed.state))
+        moved.append(replace(there, energy=replace(there.energy, loads=Loads(dead, freed.state.positions))))
+    under_load = []
+    for one, knot, freed in zip(_following(rest.loaded, moved, knots), knots, released, strict=True):
+        assert freed is not None
+        strength, linear = knot.case.wire.yield_strength, knot.case.solver.linear
+        ended = _ended(base, one.state)
+        under_load.append(loaded_by(one.energy, ended, freed, knot.elements, knot.case.wire, strength, linear=linear))
+    return tuple(under_load)
+
+
+def _run(run: Run, knot: Knot, formed: Formed, released: Released | None, loaded: Loaded | None) -> Run:
+    done = [stage for stage in (formed, released, loaded) if stage is not None]
+    stages = tuple(Stage(old.kind, old.number, old.settings, new) for old, new in zip(run.stages, done, strict=False))
+    return Run(knot.case, formed, released, loaded, None, run.notes, 0.0, stages)
