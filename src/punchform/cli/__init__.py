@@ -103,6 +103,19 @@ def _run(arguments: argparse.Namespace) -> Exit:
                 quiet=arguments.quiet,
                 as_json=arguments.json,
             )
+        case "sensitivity":
+            from punchform.cli.sensitivity import sensitivity
+
+            return sensitivity(
+                arguments.case,
+                arguments.output,
+                of=arguments.of,
+                vary=arguments.vary,
+                allowed=arguments.allowed,
+                overwrite=arguments.overwrite,
+                quiet=arguments.quiet,
+                as_json=arguments.json,
+            )
         case "element":
             from punchform.cli.element import element
 

@@ -50,6 +50,8 @@ def parser() -> argparse.ArgumentParser:
 
     _add_compare(commands.add_parser("compare", help="hold measured points against the target and a run"))
 
+    _add_sensitivity(commands.add_parser("sensitivity", help="which numbers matter, and what tolerance each needs"))
+
     element = commands.add_parser("element", help="the stiffness of one wire between two crossings")
     element.add_argument("case", metavar="CASE", help=CASE_HELP)
     element.add_argument(
@@ -87,6 +89,28 @@ def _add_run(command: argparse.ArgumentParser) -> None:
     command.add_argument("--overwrite", action="store_true", help="replace an earlier run in that folder")
     command.add_argument("--quiet", action="store_true", help="no progress and no notes")
     command.add_argument("--json", action="store_true", help="print result.json instead of a summary")
+
+
+def _add_sensitivity(command: argparse.ArgumentParser) -> None:
+    """The arguments of `sensitivity`."""
+    command.add_argument("case", metavar="CASE", help=CASE_HELP)
+    command.add_argument("-o", "--output", metavar="DIR", help="folder for table, figure and report; none without it")
+    command.add_argument(
+        "--of", metavar="FIGURE", action="append", default=[], help="such as rms, apex, max_shear; rms when left out"
+    )
+    command.add_argument(
+        "--vary",
+        metavar="PLACE",
+        action="append",
+        default=[],
+        help="a number of the case, such as wire.diameter; all of them when left out",
+    )
+    command.add_argument(
+        "--allowed", metavar="LENGTH", help="the rms that must be kept, such as '0.5 mm'; else the target's tolerance"
+    )
+    command.add_argument("--overwrite", action="store_true", help="replace an earlier answer in that folder")
+    command.add_argument("--quiet", action="store_true", help="no progress and no notes")
+    command.add_argument("--json", action="store_true", help="print result.json instead of a table")
 
 
 def _add_compare(command: argparse.ArgumentParser) -> None:

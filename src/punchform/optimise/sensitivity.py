@@ -267,10 +267,12 @@ def _between(case: Case, place: str, apart: float, looks: tuple[Seen, Seen, Seen
             bent.append(name)
     same = below.judged == here.judged == above.judged
     remark = "crossings come and go between the runs" if not same else ""
-    if bent and same:
+    if how == "a step apart":
+        remark = "held crossings change one by one"
+    elif bent and same:
         remark = f"{', '.join(bent)} not a line between the runs"
     shape = None
-    if same and below.deviations is not None and above.deviations is not None:
+    if same and how == "differences" and below.deviations is not None and above.deviations is not None:
         shape = float(np.sqrt(np.mean(((above.deviations - below.deviations) / (2 * apart)) ** 2)))
     return Sensitivity(place, number(case, place), unit(case, place), slopes, shape, how, remark)
 

@@ -15,13 +15,14 @@ Images = tuple[tuple[Picture, Path], ...]
 @dataclass(frozen=True)
 class Matrix:
     """A table with several columns: its caption, the head of each column (the first is that of the row names), its
-    rows, of which those numbered in `marked` stand out, and what to know of them."""
+    rows, of which those numbered in `marked` stand out, what to know of them, and whether it needs the whole width."""
 
     caption: str
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     marked: tuple[int, ...] = ()
     note: str = ""
+    wide: bool = False
 
 
 @dataclass(frozen=True)
