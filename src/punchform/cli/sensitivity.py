@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from punchform.case import parse, read_text, write_case
+from punchform.case import number, parse, read_text, write_case
 from punchform.case.parts import Quantity
 from punchform.cli.exits import Exit
 from punchform.cli.talk import Talk, say
 from punchform.errors import InputError
 from punchform.export.result import plain
+from punchform.optimise.figures import figure
 from punchform.optimise.sensitivity import sensitivities
 from punchform.optimise.tolerance_table import Table, csv, result, table
 from punchform.report.sensitivity import lines, words, write_sensitivity_report
@@ -42,6 +43,10 @@ def sensitivity(
     if output is not None:
         check_folder(output, overwrite=overwrite)
     names, keep = tuple(dict.fromkeys(of)) or ("rms",), _allowed(allowed)
+    for name in names:
+        figure(name)
+    for place in vary:
+        number(case, place)
     if case.target is not None and keep is None:
         keep = case.target.tolerance
     with Talk(quiet=quiet) as talk:

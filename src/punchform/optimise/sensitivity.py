@@ -7,6 +7,7 @@ radius changes crossing by crossing: there the runs are a step of the grid apart
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -29,7 +30,7 @@ APART = 5e-3
 BENT = 0.2
 """A figure whose two one-sided slopes differ by more than this part of their mean is told to be far from a line."""
 VARIED = ("grid", "wire", "punch", "press", "release", "load")
-CROSSING_BY_CROSSING = ("release.hold.",)
+HOLDS, RIB = "release.hold.", re.compile(r"release\.ribs\[\d+\]\.radius")
 """What decides which crossings are held: these come and go one by one."""
 OF_LOADS = ("compliance", "rms_deflection")
 
@@ -118,7 +119,7 @@ def sensitivities(
     reason = why_not(base)
     rest = None if reason else equilibria(base)
     here = seen(base, names)
-    smooth = [place for place in places if rest is not None and not place.startswith(CROSSING_BY_CROSSING)]
+    smooth = [place for place in places if rest is not None and not crossing_by_crossing(place)]
     rows = {} if rest is None else {place: _by_tangent(rest, place, names) for place in smooth}
     others = [place for place in places if place not in rows]
     rows |= _by_differences(case, here, others, names, many or one_by_one)
@@ -186,14 +187,19 @@ def seen(done: Run, names: Sequence[str]) -> Seen:
     return Seen(found, aligned.deviations.of(judge.measure)[mask], tuple((i, j) for i, j in index))
 
 
+def crossing_by_crossing(place: str) -> bool:
+    """Whether a number decides which crossings are held, so that no figure has a slope by it."""
+    return place.startswith(HOLDS) or RIB.fullmatch(place) is not None
+
+
 def _by_tangent(rest: Equilibria, place: str, names: Sequence[str]) -> Sensitivity:
     case = rest.run.case
     step, loaded = step_of(case, place), any(name in OF_LOADS for name in names)
     try:
         at = knots(rest.ready, family(case, place), step)
+        runs = tangent_runs(rest, at, loaded=loaded)
     except InputError as error:
         return _unknown(case, place, names, "tangent", f"cannot vary: {error.problems[0].message}")
-    runs = tangent_runs(rest, at, loaded=loaded)
     slopes: dict[str, float | None] = {}
     shape: float | None = None
     for name in dict.fromkeys(("rms", *names)):
@@ -236,7 +242,7 @@ def _by_differences(
         cases += both
     answers = list(many(cases, names))
     for (place, apart), below, above in zip(asked, answers[::2], answers[1::2], strict=True):
-        how: How = "a step apart" if place.startswith(CROSSING_BY_CROSSING) else "differences"
+        how: How = "a step apart" if crossing_by_crossing(place) else "differences"
         if isinstance(below, str) or isinstance(above, str):
             wrong = below if isinstance(below, str) else str(above)
             rows[place] = _unknown(case, place, names, how, f"a run beside it failed: {wrong}")
@@ -246,7 +252,7 @@ def _by_differences(
 
 
 def _apart(case: Case, place: str) -> float:
-    if place.startswith(CROSSING_BY_CROSSING):
+    if crossing_by_crossing(place):
         return max(case.grid.step)
     value = abs(number(case, place))
     return APART * value if value else APART * step_of(case, place) / 2e-4

@@ -175,7 +175,8 @@ def pressed_at(rest: Equilibria, knot: Knot) -> Moved:
     normals = normals_of(old.surface.gap(state.positions[free]))
     positions[free] = project(knot.punch, positions[free], normals)
     moved = _moved(energy, knot, replace(state, positions=positions))
-    return replace(moved, energy=replace(moved.energy, kinematics=kinematics))
+    # Where frames follow from the positions, the chart has them.
+    return Moved(replace(moved.energy, kinematics=kinematics), kinematics.chart(moved.state).state)
 
 
 def released_at(rest: Equilibria, knot: Knot, formed: State) -> Moved:
