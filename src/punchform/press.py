@@ -31,7 +31,7 @@ from punchform.punch import Surface
 from punchform.remarks import largest_pull, remarks, slide
 from punchform.solved import Solved, bars_of, joined, solved
 from punchform.start import begin, flat_start
-from punchform.strokes import Descent, Stroke, Task, go_down, strokes_of
+from punchform.strokes import Descent, Settle, Stroke, Task, go_down, remembered, strokes_of
 from punchform.wire import Element, together
 
 FOLLOWED = 1e-9
@@ -82,21 +82,21 @@ def press(
     solver: SolverCase | None = None,
     yield_strength: float | None = None,
     start: State | None = None,
+    settle: Settle = remembered,
     observe: Observer = silent,
 ) -> Formed:
     """Press the grid onto the surface: the minimum of its energy among all grids that lie there, Eq. (3.3).
 
-    In one stroke, or in several where `case.strokes` or a holder asks for them. start: where the search begins, which
-    is then one stroke; as `case.start` says when it is not given; a clamp then holds what lies there at or beyond the
-    rim. Raises InputError for settings that contradict each other and NoEquilibrium when the solve ends without an
-    equilibrium.
+    In one stroke, or in several where `case.strokes` or a holder asks for them. start: where one stroke begins, as
+    `case.start` says when it is not given; a clamp then holds what lies there at or beyond the rim. settle: what is
+    remembered of a stroke. Raises InputError for settings that contradict each other, NoEquilibrium when there is none.
     """
     solver = solver or SolverCase()
     if case.pull is not None and case.kinematics == "free" and not case.chord:
         _demand_moderate(case.pull, elements)
     count = strokes_of(case, yields=elements[0].hardening is not None)
     if start is None and (case.hold is not None or count > 1):
-        down = _in_strokes(count, grid, elements, surface, case, crossing, solver, observe)
+        down = _in_strokes(count, grid, elements, surface, case, crossing, solver, settle, observe)
         return formed_by(down, elements, surface, case, yield_strength)
     first, doubts = _begin(grid, elements, surface, case, crossing, solver) if start is None else (start, ())
     first = squared(first) if crossing == "welded" else first
@@ -105,7 +105,7 @@ def press(
     energy, solution = _minimised(energy, first, surface, case, solver, observe)
     if case.method == "newton" and not solution.outcome.usable:
         raise NoEquilibrium(solution.outcome.value)
-    solution = replace(solution, state=energy.settled(solution.state))
+    solution = replace(solution, state=settle(energy, solution.state))
     formed = formed_by(Descent(energy, solution, (), None), elements, surface, case, yield_strength)
     return replace(formed, notes=formed.notes + doubts)
 
@@ -118,6 +118,7 @@ def _in_strokes(
     case: PressCase,
     crossing: str | CrossingSpring,
     solver: SolverCase,
+    settle: Settle,
     observe: Observer,
 ) -> Descent:
     """The punch goes down stroke by stroke, Eq. (12.20), against the friction of the holder if there is one."""
@@ -135,7 +136,7 @@ def _in_strokes(
         return _minimised(energy, start, task.tool, case, solver, observe, stage=f"press, {task.share:.0%} down")
 
     holding = None if case.hold is None else holder(grid, surface.rim_radius, case.hold)
-    return go_down(grid, surface, count, form, held=_held_flat(grid, surface, case), holder=holding)
+    return go_down(grid, surface, count, form, held=_held_flat(grid, surface, case), holder=holding, settle=settle)
 
 
 def _minimised(

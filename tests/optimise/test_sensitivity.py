@@ -18,8 +18,9 @@ from punchform.cli import main
 from punchform.errors import InputError
 from punchform.mechanics import linear
 from punchform.optimise import tangents
-from punchform.optimise.figures import FIGURES
-from punchform.optimise.knots import OFFSETS, STEP, family, knots, slope, step_of
+from punchform.optimise.adjoint import adjoint
+from punchform.optimise.figures import FIGURES, Deviation
+from punchform.optimise.knots import FOUR, STEP, TWO, family, knots, slope, step_of
 from punchform.optimise.sensitivity import Seen, Sensitivity, crossing_by_crossing, gradients, numbers, sensitivities
 from punchform.optimise.tangents import equilibria, tangent_runs, why_not
 from punchform.optimise.tolerance_table import csv, result, table
@@ -49,7 +50,7 @@ def places(case: Case) -> list[str]:
 def solved(case: Case, place: str) -> tuple[tuple[Run, ...], float]:
     """Complete runs at the offsets around a number, and the distance between them."""
     step = NEAR * step_of(case, place)
-    return tuple(run(varied(case, {place: number(case, place) + step * offset})) for offset in OFFSETS), step
+    return tuple(run(varied(case, {place: number(case, place) + step * offset})) for offset in FOUR), step
 
 
 def rms(one: Run) -> float:
@@ -151,15 +152,41 @@ def test_reasons_against_tangents() -> None:
         assert words_ in why_not(run(case)), changes
     struck = Case.model_validate({**DISH.model_dump(exclude_unset=True), "stages": ("press", "release", "press")})
     assert "stages" in why_not(run(struck.model_copy(update={"load": None})))
-    yielding = varied(DISH, {"wire.material": "304 annealed"})
-    base = run(yielding.model_copy(update={"load": None, "press": yielding.press.model_copy(update={"strokes": 3})}))
-    assert "yields" in why_not(base)
-    with pytest.raises(InputError, match="yields"):
-        gradients(base, ["wire.diameter"], ["rms"])
-    found = sensitivities(base, ["wire.hardening.strength", "punch.profile.focal_length"])
+    with pytest.raises(InputError, match="stages"):
+        gradients(run(struck.model_copy(update={"load": None})), ["wire.diameter"], ["rms"])
+
+
+@pytest.mark.parametrize("changes", [{"press.rim": "clamp", "press.strokes": 4}, {"press.strokes": 3}])
+def test_wires_that_yield_are_followed_stroke_by_stroke(changes: dict[str, object]) -> None:
+    """What flowed in a stroke goes on to the next, and into the release: against complete runs, 1e-6."""
+    base = run(varied(DISH.model_copy(update={"load": None}), {"wire.material": "304 annealed", **changes}))
+    wanted, names = (
+        ("wire.hardening.strength", "punch.profile.focal_length", "grid.step"),
+        ("rms", "max_plastic_strain"),
+    )
+    rest = equilibria(base)
+    assert len(rest.trail) == changes["press.strokes"]
+    found = gradients(base, wanted, names)
+    for place in wanted:
+        step = step_of(base.case, place)
+        beside = [run(varied(base.case, {place: number(base.case, place) + step * offset})) for offset in TWO]
+        for name in names:
+            values = [FIGURES[name].of(one) for one in beside]
+            direct = float(slope([value for value in values if value is not None], step))
+            assert found[name][place] == pytest.approx(direct, rel=1e-6), (place, name)
+    with pytest.raises(InputError, match="adjoint of wires that yield"):
+        adjoint(rest, Deviation(None))
+
+
+def test_a_holder_is_told_by_complete_runs() -> None:
+    """Its clamp force has a slope too."""
+    case = varied(DISH.model_copy(update={"load": None}), {"press.hold": {"force_per_length": 2.0, "friction": 0.15}})
+    base = run(varied(case, {"press.strokes": 3}))
+    found = sensitivities(base, ["press.hold.force_per_length", "wire.diameter"])
+    assert "holder" in found.why_differences
     assert found.runs == 4
     assert {row.how for row in found.rows} == {"differences"}
-    assert all(row.slopes["rms"] and row.shape for row in found.rows)
+    assert all(row.slopes["rms"] for row in found.rows)
 
 
 def test_differences_are_slopes() -> None:

@@ -20,7 +20,7 @@ from punchform.errors import InputError
 from punchform.holds import followed
 from punchform.mechanics import sweeps
 from punchform.optimise.figures import Deviation
-from punchform.optimise.knots import OFFSETS, Knot, slope
+from punchform.optimise.knots import FOUR, Knot, between, slope
 from punchform.optimise.tangents import (
     Equilibria,
     Moved,
@@ -49,11 +49,11 @@ class Adjoint:
 
     def slope(self, knots: Sequence[Knot]) -> float:
         """dJ/dp of the setting whose knots these are, Eq. (13.26)."""
-        return float(slope([self._bordered(knot) for knot in knots], knots[2].offset))
+        return float(slope([self._bordered(knot) for knot in knots], between(knots)))
 
     def _bordered(self, knot: Knot) -> float:
         """J + lam2 · g2 + lam1 · g1 at a knot, before any unknown follows."""
-        formed = pressed_at(self.rest, knot)
+        formed = pressed_at(self.rest, self.rest.pressed, self.rest.trail[-1], knot, None)
         total = float(self.pressed @ formed.residual)
         last = self._last(knot, formed)
         if self.released is not None:
@@ -69,8 +69,10 @@ class Adjoint:
 
 
 def adjoint(rest: Equilibria, of: Deviation) -> Adjoint:
-    """The multipliers of an rms of a run. Raises InputError for a run without a target."""
+    """The multipliers of an rms of a run. Raises InputError for a run without a target, or with a past."""
     run = rest.run
+    if rest.remembers:
+        raise InputError.of("the adjoint of wires that yield would have to go back through all strokes", where="wire")
     measure, fitted = of.judged(run.case)
     if run.accuracy is None:
         raise InputError.of("the run was not judged against a target", where="target")
@@ -109,7 +111,7 @@ def _forces_along(rest: Rest, z: Floats) -> Floats:
     if size == 0.0:
         return np.zeros((2 * rest.energy.grid.nodes, 6))
     step = ALONG / size
-    states = [rest.chart.moved(step * offset * z) for offset in OFFSETS]
+    states = [rest.chart.moved(step * offset * z) for offset in FOUR]
     return slope([rest.energy.gradient(rest.energy.kinematics.chart(state)).G for state in states], step)
 
 

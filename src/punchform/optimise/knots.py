@@ -10,15 +10,19 @@ import numpy as np
 from punchform.arrays import Floats
 from punchform.case import Case, number, unit, varied
 from punchform.grid import Grid, restepped
+from punchform.mechanics.bars import Bars
 from punchform.prepare import Prepared
 from punchform.punch import Revolution, surface
+from punchform.solved import bars_of
 from punchform.wire import Element, pieces, stiffness
 
-OFFSETS = (-2, -1, 1, 2)
-SHARES = (1 / 12, -8 / 12, 8 / 12, -1 / 12)
-"""The first derivative from four values at equal distances, wrong only at the fourth power of the distance."""
+FOUR, TWO = (-2, -1, 1, 2), (-1, 1)
+"""Offsets of four values, from which a derivative is wrong only at the fourth power of their distance; and of two, for
+values that cost a solve each: wrong at the square of it."""
+SHARES = {4: (1 / 12, -8 / 12, 8 / 12, -1 / 12), 2: (-1 / 2, 1 / 2)}
+"""What each of so many values counts."""
 STEP = 2e-4
-"""The distance, relative to the number: what is left out is of its fourth power."""
+"""The distance, relative to the number: of which square or fourth power is left out."""
 
 Family = Callable[[float], Case]
 """The case at a value of a setting, as a change of it from its own value."""
@@ -27,12 +31,13 @@ Family = Callable[[float], Case]
 @dataclass(frozen=True)
 class Knot:
     """What a run needs at one value of a setting: `offset` is its change; grid and wires are those of the base, node by
-    node, even where the blank would now hold others."""
+    node, even where the blank would now hold others; bars: the wires as an energy knows them."""
 
     offset: float
     case: Case
     grid: Grid
     elements: tuple[Element, ...]
+    bars: Bars
     punch: Revolution
 
 
@@ -43,18 +48,27 @@ def family(case: Case, place: str) -> Family:
 
 
 def knots(ready: Prepared, cases: Family, step: float) -> tuple[Knot, ...]:
-    """The base at the offsets of the stencil. Raises InputError where a setting cannot have such a value."""
-    return tuple(_knot(ready, cases(step * offset), step * offset) for offset in OFFSETS)
+    """The base around a value: at two of its neighbours where wires yield, else at four. Raises InputError where a
+    setting cannot have such a value."""
+    offsets = FOUR if ready.elements[0].hardening is None else TWO
+    return tuple(_knot(ready, cases(step * offset), step * offset) for offset in offsets)
+
+
+def between(knots: Sequence[Knot]) -> float:
+    """The distance between neighbouring knots."""
+    return abs(min((knot.offset for knot in knots), key=abs))
 
 
 def _knot(ready: Prepared, case: Case, offset: float) -> Knot:
     elements = pieces(stiffness(case.wire, case.grid.step), case.grid.subdivide)
-    return Knot(offset, case, restepped(ready.grid, case.grid.step), elements, surface(case.tool))
+    bars = bars_of(elements, case.framed(case.press))
+    return Knot(offset, case, restepped(ready.grid, case.grid.step), elements, bars, surface(case.tool))
 
 
 def slope(values: Sequence[Floats | float], step: float) -> Floats:
-    """The derivative from the values at the offsets, for the distance `step` between them."""
-    return np.asarray(sum(share * np.asarray(value) for share, value in zip(SHARES, values, strict=True)) / step)
+    """The derivative from two or four values at the offsets, for the distance `step` of the nearest."""
+    shares = SHARES[len(values)]
+    return np.asarray(sum(share * np.asarray(value) for share, value in zip(shares, values, strict=True)) / step)
 
 
 def step_of(case: Case, place: str) -> float:

@@ -18,10 +18,11 @@ from punchform.accuracy import Judged
 from punchform.arrays import Floats
 from punchform.case import Case, number, setting, unit, varied
 from punchform.errors import InputError, NoEquilibrium
+from punchform.forces import forces
 from punchform.optimise.adjoint import adjoint
 from punchform.optimise.figures import FIGURES, figure
-from punchform.optimise.knots import family, knots, slope, step_of
-from punchform.optimise.tangents import Equilibria, equilibria, judged, tangent_runs, why_not
+from punchform.optimise.knots import STEP, Knot, between, family, knots, slope, step_of
+from punchform.optimise.tangents import Equilibria, equilibria, judged, tangents_of, why_not
 from punchform.run import Run, run
 
 How = Literal["tangent", "differences", "a step apart"]
@@ -116,11 +117,14 @@ def sensitivities(
         figure(name)
     for place in places:
         number(case, place)
-    reason = why_not(base)
-    rest = None if reason else equilibria(base)
+    reason, rest, rows = why_not(base), None, dict[str, Sensitivity]()
     here = seen(base, names)
-    smooth = [place for place in places if rest is not None and not crossing_by_crossing(place)]
-    rows = {} if rest is None else {place: _by_tangent(rest, place, names) for place in smooth}
+    if not reason:
+        rest = equilibria(base)
+        try:
+            rows = _by_tangents(rest, [one for one in places if not crossing_by_crossing(one)], names)
+        except InputError as error:
+            reason = error.problems[0].message
     others = [place for place in places if place not in rows]
     rows |= _by_differences(case, here, others, names, many or one_by_one)
     return Sensitivities(
@@ -149,17 +153,32 @@ def gradients(base: Run, places: Sequence[str], names: Sequence[str]) -> dict[st
         of = figure(name).deviation
         if figure(name).of(base) is None:
             raise InputError.of(f"the run has no figure {name!r}")
-        if of is None:
+        if of is None or rest.remembers:
             others.append(name)
         else:
             back = adjoint(rest, of)
             found[name] = {place: back.slope(at[place]) for place in places}
     loaded = any(name in OF_LOADS for name in others)
-    for place in places if others else ():
-        runs = tangent_runs(rest, at[place], loaded=loaded)
+    runs = tangents_of(rest, [at[place] for place in places], loaded=loaded) if others else ()
+    for place, moved in zip(places, runs, strict=False):
         for name in others:
-            found.setdefault(name, {})[place] = float(slope([_known(name, one) for one in runs], steps[place]))
+            found.setdefault(name, {})[place] = float(
+                slope(
+                    [_figure(rest, name, knot, one) for knot, one in zip(at[place], moved, strict=True)], steps[place]
+                )
+            )
     return found
+
+
+def _figure(rest: Equilibria, name: str, knot: Knot, moved: Run) -> float:
+    """A figure of a run at a knot."""
+    of = FIGURES[name].deviation
+    if of is not None:
+        measure, fitted = of.judged(rest.run.case)
+        return judged(rest, knot, moved.final.state, measure, fitted=fitted).rms
+    value = FIGURES[name].of(moved)
+    assert value is not None
+    return value
 
 
 def one_by_one(cases: Sequence[Case], names: Sequence[str]) -> Iterator[Seen | str]:
@@ -192,14 +211,37 @@ def crossing_by_crossing(place: str) -> bool:
     return place.startswith(HOLDS) or RIB.fullmatch(place) is not None
 
 
-def _by_tangent(rest: Equilibria, place: str, names: Sequence[str]) -> Sensitivity:
-    case = rest.run.case
-    step, loaded = step_of(case, place), any(name in OF_LOADS for name in names)
-    try:
-        at = knots(rest.ready, family(case, place), step)
-        runs = tangent_runs(rest, at, loaded=loaded)
-    except InputError as error:
-        return _unknown(case, place, names, "tangent", f"cannot vary: {error.problems[0].message}")
+def _by_tangents(rest: Equilibria, places: Sequence[str], names: Sequence[str]) -> dict[str, Sensitivity]:
+    """By following the equilibria, all numbers through one stage after the other."""
+    case, rows = rest.run.case, dict[str, Sensitivity]()
+    at: dict[str, tuple[Knot, ...]] = {}
+    for place in places:
+        try:
+            at[place] = knots(rest.ready, family(case, place), step_of(case, place))
+            if rest.run.loaded is not None:
+                _demand_bearable(rest, at[place])
+        except InputError as error:
+            at.pop(place, None)
+            rows[place] = _unknown(case, place, names, "tangent", f"cannot vary: {error.problems[0].message}")
+    runs = tangents_of(rest, tuple(at.values()), loaded=any(name in OF_LOADS for name in names))
+    for (place, near), moved in zip(at.items(), runs, strict=True):
+        rows[place] = _by_tangent(rest, place, names, near, moved)
+    return rows
+
+
+def _demand_bearable(rest: Equilibria, at: Sequence[Knot]) -> None:
+    """Raise InputError where a load of a knot cannot act on the grid as it was solved."""
+    assert rest.run.released is not None
+    for knot in at:
+        assert knot.case.load is not None
+        lengths = tuple(element.wire_length for element in knot.elements)
+        forces(knot.grid, rest.run.released.state, knot.case.load, knot.case.wire, lengths)
+
+
+def _by_tangent(
+    rest: Equilibria, place: str, names: Sequence[str], at: Sequence[Knot], runs: Sequence[Run]
+) -> Sensitivity:
+    case, step = rest.run.case, between(at)
     slopes: dict[str, float | None] = {}
     shape: float | None = None
     for name in dict.fromkeys(("rms", *names)):
@@ -255,7 +297,7 @@ def _apart(case: Case, place: str) -> float:
     if crossing_by_crossing(place):
         return max(case.grid.step)
     value = abs(number(case, place))
-    return APART * value if value else APART * step_of(case, place) / 2e-4
+    return APART * value if value else APART * step_of(case, place) / STEP
 
 
 def _between(case: Case, place: str, apart: float, looks: tuple[Seen, Seen, Seen], how: How) -> Sensitivity:
@@ -286,12 +328,6 @@ def _between(case: Case, place: str, apart: float, looks: tuple[Seen, Seen, Seen
 def _unknown(case: Case, place: str, names: Sequence[str], how: How, remark: str) -> Sensitivity:
     nothing = dict.fromkeys(("rms", *names))
     return Sensitivity(place, number(case, place), unit(case, place), nothing, None, how, remark)
-
-
-def _known(name: str, done: Run) -> float:
-    value = FIGURES[name].of(done)
-    assert value is not None
-    return value
 
 
 def _leaves(value: Any, place: str) -> Iterator[str]:

@@ -6,7 +6,7 @@ A stage rests where the gradient g(z, p) over its unknowns is zero. With the Hes
 
 where ∂g/∂p is taken at fixed unknowns, with the nodes carried by the punch as it changes and, after the press, with
 what is held carried by the stage before. The explicit derivatives are differences of closed forms; no equilibrium is
-solved again.
+solved again. Where wires yield, every stroke of the press is such a stage, and what flowed in it goes on to the next.
 """
 
 from __future__ import annotations
@@ -28,18 +28,23 @@ from punchform.mechanics.bars import Loads
 from punchform.mechanics.differences import Differences
 from punchform.mechanics.footing import normals_of
 from punchform.mechanics.frames import State
+from punchform.mechanics.history import History, Recall
 from punchform.mechanics.kinematics import Chart, FreeFrames
 from punchform.mechanics.linear import Factor, solver_for
 from punchform.mechanics.outcome import Outcome, Solution
-from punchform.optimise.knots import Knot, slope
+from punchform.optimise.knots import Knot, between, slope
 from punchform.prepare import Prepared, prepare
-from punchform.press import Formed, energy_of, formed_by
-from punchform.punch import project
+from punchform.press import Formed, energy_of, formed_by, press
+from punchform.punch import lowered, project
 from punchform.release import Released, free_energy, released_by
 from punchform.run import Run, Stage
-from punchform.solved import Solved, bars_of
+from punchform.solved import Solved
 from punchform.strokes import Descent
 from punchform.whole import unfold_vectors
+
+PASSES, AT_REST, NEARLY = 25, 1e-10, 1e-7
+"""Of wires that yield: how often a knot is brought nearer to its rest, the move that is none, and the largest that may
+be left [mm, rad]."""
 
 
 @dataclass(frozen=True)
@@ -56,19 +61,44 @@ class Rest:
 
 
 @dataclass(frozen=True)
+class Landing:
+    """The end of a stroke: at a share of the depth, in a state whose past is that of the strokes before, foreseen to go
+    on `times` as far as the last, Eq. (12.18)."""
+
+    share: float
+    state: State
+    times: float
+
+
+@dataclass(frozen=True)
 class Equilibria:
-    """A run and its stages at rest; `released` and `loaded` are None where there is no such stage or nothing held."""
+    """A run and its stages at rest; `released` and `loaded` are None where there is no such stage or nothing held.
+
+    trail: the strokes whose past matters, the last of which ends where `pressed` rests.
+    """
 
     run: Run
     ready: Prepared
+    trail: tuple[Landing, ...]
     pressed: Rest
     released: Rest | None
     loaded: Rest | None
 
     @property
     def factorisations(self) -> int:
-        """How many matrices were factored for all of this."""
-        return sum(rest is not None for rest in (self.pressed, self.released, self.loaded))
+        """How many matrices must be factored for all of this."""
+        return len(self.trail) + sum(rest is not None for rest in (self.released, self.loaded))
+
+    @property
+    def remembers(self) -> bool:
+        """Whether the strokes depend on their past."""
+        return self.run.case.wire.yields
+
+    def rest_at(self, landing: Landing) -> Rest:
+        """The press at the end of a stroke."""
+        if landing is self.trail[-1]:
+            return self.pressed
+        return _rest_of_press(self.run.case, self.ready, landing)
 
 
 @dataclass(frozen=True)
@@ -87,14 +117,17 @@ class Moved:
         """The stage after the step z (n,) of its unknowns."""
         return replace(self, state=self.energy.kinematics.chart(self.state).moved(z))
 
+    @property
+    def settled(self) -> Moved:
+        """The stage with what flowed in it as its past."""
+        return replace(self, state=self.energy.settled(self.state))
+
 
 def why_not(run: Run) -> str:
     """Why the equilibria of a run cannot be followed by their tangents; empty when they can."""
     case = run.case
     kinds = [stage.kind for stage in run.stages]
     released = run.released
-    if case.wire.yields:
-        return "the wire yields, so that every stroke depends on those before it"
     if case.press.hold is not None:
         return "a blank holder brakes the flange, so that every stroke depends on those before it"
     if case.press.pull is not None:
@@ -117,19 +150,71 @@ def equilibria(run: Run) -> Equilibria:
         raise InputError.of(f"there are no tangents of this run: {reason}")
     ready = prepare(run.case)
     released = run.released
-    freed = None if released is None or released.hold.count == 0 else _rest_of_release(run, ready)
+    trail = _trail(run, ready)
     return Equilibria(
-        run, ready, _rest_of_press(run, ready), freed, None if run.loaded is None else _rest_of_load(run, ready)
+        run,
+        ready,
+        trail,
+        _rest_of_press(run.case, ready, trail[-1]),
+        None if released is None or released.hold.count == 0 else _rest_of_release(run, ready),
+        None if run.loaded is None else _rest_of_load(run, ready),
     )
 
 
-def tangent_runs(rest: Equilibria, knots: Sequence[Knot], *, loaded: bool = False) -> tuple[Run, ...]:
-    """The run at the knots, as its equilibria follow to first order: figures of these have the right derivative.
+def _trail(run: Run, ready: Prepared) -> tuple[Landing, ...]:
+    """The strokes of the press, which is done once more where they have a past; else only where it ended."""
+    if not run.case.wire.yields:
+        return (Landing(1.0, run.formed.state, 0.0),)
+    case, states = run.case, list[State]()
 
-    They are not measured against the target: `judged` does that for what is asked.
+    def settle(energy: Energy, state: State) -> State:
+        states.append(state)
+        return energy.settled(state)
+
+    again = press(
+        ready.grid,
+        ready.elements,
+        ready.punch,
+        _press_of(case),
+        crossing=case.grid.crossing,
+        solver=case.solver,
+        settle=settle,
+    )
+    shares = (0.0, *(stroke.share for stroke in again.strokes))
+    times = [0.0] + [(shares[k + 1] - shares[k]) / (shares[k] - shares[k - 1]) for k in range(1, len(states))]
+    return tuple(Landing(*landed) for landed in zip(shares[1:], states, times, strict=True))
+
+
+def tangent_runs(rest: Equilibria, knots: Sequence[Knot], *, loaded: bool = False) -> tuple[Run, ...]:
+    """The run at the knots of one setting, see `tangents_of`."""
+    return tangents_of(rest, [knots], loaded=loaded)[0]
+
+
+def tangents_of(
+    rest: Equilibria, settings: Sequence[Sequence[Knot]], *, loaded: bool = False
+) -> tuple[tuple[Run, ...], ...]:
+    """The run at the knots of some settings, as its equilibria follow to first order: figures of these have the right
+    derivative. They are not measured against the target: `judged` does that for what is asked.
+
     loaded: also the load, whose compliance costs a factorisation at each knot.
     """
-    pressed = _following(rest.pressed, [pressed_at(rest, knot) for knot in knots], knots)
+    pressed: list[list[Moved | None]] = [[None] * len(knots) for knots in settings]
+    for landing in rest.trail:
+        here = rest.rest_at(landing)
+        for before, knots in zip(pressed, settings, strict=True):
+            there = [
+                pressed_at(rest, here, landing, knot, None if past is None else past.state.history)
+                for past, knot in zip(before, knots, strict=True)
+            ]
+            before[:] = [moved.settled for moved in _following(here, there, knots)]
+    return tuple(
+        _runs(rest, knots, [moved for moved in there if moved is not None], loaded=loaded)
+        for knots, there in zip(settings, pressed, strict=True)
+    )
+
+
+def _runs(rest: Equilibria, knots: Sequence[Knot], pressed: Sequence[Moved], *, loaded: bool) -> tuple[Run, ...]:
+    """The run at the knots of one setting after the press has followed."""
     formed = tuple(_formed(rest, knot, moved) for knot, moved in zip(knots, pressed, strict=True))
     released: tuple[Released | None, ...] = (None,) * len(knots)
     under_load: tuple[Loaded | None, ...] = (None,) * len(knots)
@@ -162,21 +247,23 @@ def crossings(rest: Equilibria, state: State) -> Floats:
     return np.where(rest.run.final.whole.between[:, None] == 0, points, np.nan)
 
 
-def pressed_at(rest: Equilibria, knot: Knot) -> Moved:
-    """The press at a knot before its unknowns follow: nodes on the punch there, clamped ones on the flat grid there."""
-    energy, state = rest.pressed.energy, rest.run.formed.state
-    old = energy.kinematics
+def pressed_at(rest: Equilibria, here: Rest, landing: Landing, knot: Knot, past: History | None) -> Moved:
+    """A stroke at a knot before its unknowns follow: nodes on the punch there, clamped ones on the flat grid there,
+    and in its wires what flowed there in the strokes before."""
+    state, old, tool = landing.state, here.energy.kinematics, lowered(knot.punch, landing.share)
     assert isinstance(old, FreeFrames | Differences)
     assert old.surface is not None
-    kinematics = replace(old, grid=knot.grid, surface=knot.punch)
+    kinematics = replace(old, grid=knot.grid, surface=tool)
     positions = state.positions.copy()
     positions[old.held, :2] += (knot.grid.flat - rest.ready.grid.flat)[old.held]
     free = ~old.held
     normals = normals_of(old.surface.gap(state.positions[free]))
-    positions[free] = project(knot.punch, positions[free], normals)
-    moved = _moved(energy, knot, replace(state, positions=positions))
+    positions[free] = project(tool, positions[free], normals)
+    foreseen = None if past is None else past.foreseen(landing.times)
+    moved = _moved(here.energy, knot, replace(state, positions=positions, history=foreseen))
     # Where frames follow from the positions, the chart has them.
-    return Moved(replace(moved.energy, kinematics=kinematics), kinematics.chart(moved.state).state)
+    followed_ = replace(kinematics.chart(moved.state).state, history=foreseen)
+    return Moved(replace(moved.energy, kinematics=kinematics), followed_)
 
 
 def released_at(rest: Equilibria, knot: Knot, formed: State) -> Moved:
@@ -186,7 +273,9 @@ def released_at(rest: Equilibria, knot: Knot, formed: State) -> Moved:
     assert knot.case.release is not None
     held, state = rest.run.released.hold, rest.run.released.state
     places = followed(held, rest.run.formed.state.positions, formed.positions, knot.case.release, knot.grid)
-    return _moved(rest.released.energy, knot, _holding(state, held, replace(formed, positions=places)))
+    # What is free goes along with the formed grid, so that wires that yield do not flow on the way to their rest.
+    along = replace(state, positions=state.positions + formed.positions - rest.run.formed.state.positions)
+    return _moved(rest.released.energy, knot, _holding(along, held, replace(formed, positions=places)))
 
 
 def released_at_all(rest: Equilibria, knots: Sequence[Knot], formed: Sequence[State]) -> list[Moved]:
@@ -198,14 +287,36 @@ def released_at_all(rest: Equilibria, knots: Sequence[Knot], formed: Sequence[St
         steps = [np.column_stack((knot.grid.flat, flat.positions[:, 2])) for knot in knots]
         return [_moved(energy, knot, replace(flat, positions=at)) for knot, at in zip(knots, steps, strict=True)]
     moved = [released_at(rest, knot, state) for knot, state in zip(knots, formed, strict=True)]
-    return _following(rest.released, moved, knots)
+    return [one.settled for one in _following(rest.released, moved, knots)]
 
 
 def _following(rest: Rest, moved: Sequence[Moved], knots: Sequence[Knot]) -> list[Moved]:
     """The stage at the knots after its unknowns have followed the setting."""
-    step = knots[2].offset
+    step = between(knots)
     rate = rest.follow([one.residual for one in moved], step)
-    return [one.along(knot.offset * rate) for one, knot in zip(moved, knots, strict=True)]
+    followed_ = [one.along(knot.offset * rate) for one, knot in zip(moved, knots, strict=True)]
+    if rest.energy.bars.yielding is None:
+        return followed_
+    return [_settling(rest, one) for one in followed_]
+
+
+def _settling(rest: Rest, moved: Moved) -> Moved:
+    """A stage of wires that yield after it has come to rest, Eq. (13.29).
+
+    At fixed unknowns a wire may flow that does not on the way that the grid goes: its first answer is a guess.
+    """
+    last = np.inf
+    for _ in range(PASSES):
+        z = -rest.factor.solve(moved.residual)
+        size = max(rest.chart.size(z))
+        if not size < last:
+            break
+        moved, last = moved.along(z), size
+        if size < AT_REST:
+            break
+    if not last < NEARLY:
+        raise InputError.of("there are no tangents of this run: beside one of its numbers the grid finds another rest")
+    return moved
 
 
 def _moved(energy: Energy, knot: Knot, state: State) -> Moved:
@@ -215,19 +326,20 @@ def _moved(energy: Energy, knot: Knot, state: State) -> Moved:
     there = replace(
         energy,
         grid=knot.grid,
-        bars=bars_of(knot.elements, _press_of(knot.case)),
+        bars=knot.bars,
         kinematics=replace(kinematics, grid=knot.grid),
         crossing=crossing.stiffness if isinstance(crossing, CrossingSpring) else 0.0,
+        recall=Recall(),
     )
     return Moved(there, state)
 
 
 def _holding(state: State, held: Held, places: State) -> State:
-    """The state with what is held where `places` has it."""
+    """The state with what is held where `places` has it, and with its past."""
     positions = np.where(held.held[:, None] | held.fixed, places.positions, state.positions)
     normals = np.where(held.held[:, None], places.normals, state.normals)
     tangents = np.where(held.held[:, None, None], places.tangents, state.tangents)
-    return State(positions, normals, tangents)
+    return State(positions, normals, tangents, places.history)
 
 
 def _rest(energy: Energy, state: State, linear: str) -> Rest:
@@ -236,22 +348,24 @@ def _rest(energy: Energy, state: State, linear: str) -> Rest:
     return Rest(energy, chart, solver_for(energy.pattern, linear).factor(values))
 
 
-def _rest_of_press(run: Run, ready: Prepared) -> Rest:
-    case, formed = run.case, run.formed
-    energy = energy_of(
-        ready.grid, ready.elements, formed.surface, _press_of(case), crossing=case.grid.crossing, start=formed.state
-    )
-    return _rest(energy, formed.state, case.solver.linear)
+def _rest_of_press(case: Case, ready: Prepared, landing: Landing) -> Rest:
+    tool, state = lowered(ready.punch, landing.share), landing.state
+    energy = energy_of(ready.grid, ready.elements, tool, _press_of(case), crossing=case.grid.crossing, start=state)
+    return _rest(energy, state, case.solver.linear)
 
 
 def _rest_of_release(run: Run, ready: Prepared) -> Rest:
     assert run.released is not None
-    return _rest(_freed(run, ready, run.released.state), run.released.state, run.case.solver.linear)
+    # As it was sought: with the past that the press has left.
+    state = replace(run.released.state, history=run.formed.state.history)
+    return _rest(_freed(run, ready, state), state, run.case.solver.linear)
 
 
 def _rest_of_load(run: Run, ready: Prepared) -> Rest:
+    assert run.released is not None
     assert run.loaded is not None
-    return _rest(_freed(run, ready, run.loaded.state), run.loaded.state, run.case.solver.linear)
+    state = replace(run.loaded.state, history=run.released.state.history)
+    return _rest(_freed(run, ready, state), state, run.case.solver.linear)
 
 
 def _freed(run: Run, ready: Prepared, state: State) -> Energy:
@@ -266,20 +380,26 @@ def _press_of(case: Case) -> PressCase:
     return case.framed(case.press)
 
 
+def _strength(knot: Knot) -> float | None:
+    """Where the wire yields; a tensile test says it itself."""
+    hardening = knot.elements[0].hardening
+    return knot.case.wire.yield_strength if hardening is None else hardening.yield_strength
+
+
 def _ended(done: Solved, state: State) -> Solution:
     return Solution(state, Outcome.CONVERGED, (), done.steps, done.factorisations, 0, done.negative_eigenvalues)
 
 
 def _formed(rest: Equilibria, knot: Knot, moved: Moved) -> Formed:
     down = Descent(moved.energy, _ended(rest.run.formed, moved.state), rest.run.formed.strokes, None)
-    return formed_by(down, knot.elements, knot.punch, _press_of(knot.case), knot.case.wire.yield_strength)
+    return formed_by(down, knot.elements, knot.punch, _press_of(knot.case), _strength(knot))
 
 
 def _released(rest: Equilibria, knot: Knot, moved: Moved, formed: Formed) -> Released:
     base = rest.run.released
     assert base is not None
     ended = _ended(base, moved.state)
-    strength = knot.case.wire.yield_strength
+    strength = _strength(knot)
     return released_by(moved.energy, ended, formed, knot.elements, base.hold, base.stability, strength)
 
 
@@ -297,8 +417,9 @@ def _loaded(rest: Equilibria, knots: Sequence[Knot], released: Sequence[Released
         moved.append(replace(there, energy=replace(there.energy, loads=Loads(dead, freed.state.positions))))
     under_load = []
     for one, knot, freed in zip(_following(rest.loaded, moved, knots), knots, released, strict=True):
+        one = one.settled
         assert freed is not None
-        strength, linear = knot.case.wire.yield_strength, knot.case.solver.linear
+        strength, linear = _strength(knot), knot.case.solver.linear
         ended = _ended(base, one.state)
         under_load.append(loaded_by(one.energy, ended, freed, knot.elements, knot.case.wire, strength, linear=linear))
     return tuple(under_load)
