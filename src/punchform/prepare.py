@@ -9,7 +9,7 @@ from typing import TypeVar
 from punchform.case import Case, DescentCase
 from punchform.errors import InputError, Problem
 from punchform.grid import Grid, lay
-from punchform.punch import Revolution, bare, check_sharpness, surface
+from punchform.punch import Corrected, Tool, bare, check_correction, check_sharpness, surface
 from punchform.wire import Element, mirror_symmetric, pieces, stiffness
 
 Built = TypeVar("Built")
@@ -23,7 +23,7 @@ class Prepared:
 
     grid: Grid
     elements: tuple[Element, ...]
-    punch: Revolution
+    punch: Tool
     doubts: tuple[Problem, ...]
 
 
@@ -38,7 +38,7 @@ def prepare(case: Case) -> Prepared:
     punch = _tried(lambda: surface(tool), problems)
     doubts: tuple[Problem, ...] = ()
     if punch is not None:
-        errors, doubts = check_sharpness(punch, _finest(case))
+        errors, doubts = _bends(punch, _finest(case))
         problems += errors
     if case.target is not None:
         problems += _tried(lambda: _target_problems(case), problems) or ()
@@ -57,6 +57,14 @@ def prepare(case: Case) -> Prepared:
     if problems or grid is None or elements is None or punch is None:
         raise InputError(problems)
     return Prepared(grid, elements, punch, doubts)
+
+
+def _bends(punch: Tool, step: float) -> tuple[tuple[Problem, ...], tuple[Problem, ...]]:
+    """Errors and doubts about the bends of a punch, and about those that its correction adds."""
+    if not isinstance(punch, Corrected):
+        return check_sharpness(punch, step)
+    base, added = check_sharpness(punch.base, step), check_correction(punch, step)
+    return base[0] + added[0], base[1] + added[1]
 
 
 def _finest(case: Case) -> float:

@@ -29,7 +29,7 @@ from punchform.net import lay_net, touching
 from punchform.net.chain import chain
 from punchform.net.ground import Untabled, ground
 from punchform.net.pieces import pieces
-from punchform.punch import Paraboloid, Revolution, Sphere, bare, surface
+from punchform.punch import Paraboloid, Revolution, Sphere, bare, uncorrected
 from punchform.punch.curves import Graph
 
 PROFILES: dict[str, Profile] = {
@@ -57,7 +57,7 @@ def punch(name: str, scale: float = 1.0) -> Revolution:
             profile = SphereProfile(radius=scale * profile.radius)
         case _:
             assert scale == 1.0
-    return surface(PunchCase(profile=profile, rim_radius=300.0 * scale, fillet=30.0 * scale))
+    return uncorrected(PunchCase(profile=profile, rim_radius=300.0 * scale, fillet=30.0 * scale))
 
 
 def disc(step: float, *, radius: float = 345.0, scale: float = 1.0) -> Grid:
@@ -109,7 +109,7 @@ def test_normals_from_tables_are_those_of_the_surface(name: str) -> None:
 
 
 def test_the_steep_walls_of_a_cup_are_covered() -> None:
-    made = surface(PunchCase(profile=FlatProfile(height=90.0, edge_radius=25.0), rim_radius=100.0, fillet=30.0))
+    made = uncorrected(PunchCase(profile=FlatProfile(height=90.0, edge_radius=25.0), rim_radius=100.0, fillet=30.0))
     grid = rectangle((60, 2), (3.0, 3.0), symmetry="quarter")
     net = lay_net(grid, made)
     assert net.complete
@@ -121,7 +121,7 @@ def test_the_steep_walls_of_a_cup_are_covered() -> None:
 
 
 def test_bends_sharper_than_the_step_are_met_by_the_nearest_point() -> None:
-    made = surface(PunchCase(profile=FlatProfile(height=9.0, edge_radius=2.0), rim_radius=40.0, fillet=2.0))
+    made = uncorrected(PunchCase(profile=FlatProfile(height=9.0, edge_radius=2.0), rim_radius=40.0, fillet=2.0))
     grid = rectangle((14, 2), (4.0, 4.0), symmetry="quarter")
     fast, slow = lay_net(grid, made), lay_net(grid, Hidden(made))
     assert fast.complete

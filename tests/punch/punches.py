@@ -19,11 +19,11 @@ from punchform.case import (
     SphereProfile,
     TableProfile,
 )
-from punchform.punch import Revolution, surface
+from punchform.punch import Revolution, uncorrected
 
 
 def punch(profile: Profile, rim_radius: float = 300.0, fillet: float = 30.0) -> Revolution:
-    return surface(PunchCase(profile=profile, rim_radius=rim_radius, fillet=fillet))
+    return uncorrected(PunchCase(profile=profile, rim_radius=rim_radius, fillet=fillet))
 
 
 def table_of_paraboloid(count: int, *, end: float = 300.0, focal_length: float = 250.0) -> TableProfile:
@@ -35,7 +35,7 @@ CHECK = PunchCase(profile=ParaboloidProfile(focal_length=250.0), rim_radius=300.
 """The punch of the check case (docs/theory.md, section 11)."""
 
 PUNCHES: dict[str, Revolution] = {
-    "paraboloid": surface(CHECK),
+    "paraboloid": uncorrected(CHECK),
     "sphere": punch(SphereProfile(radius=400.0)),
     "hemisphere": punch(SphereProfile(radius=270.0)),
     "ellipsoid": punch(EllipsoidProfile(radius=350.0, height=120.0)),

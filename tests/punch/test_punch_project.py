@@ -9,7 +9,7 @@ import pytest
 from punches import CHECK, PUNCHES, points_near
 
 from punchform.arrays import Floats
-from punchform.punch import Gap, Revolution, Sphere, project, surface
+from punchform.punch import Gap, Revolution, Sphere, project, uncorrected
 
 every_punch = pytest.mark.parametrize("made", PUNCHES.values(), ids=PUNCHES.keys())
 
@@ -49,7 +49,7 @@ def test_points_near_the_surface_arrive_along_slanted_directions(made: Revolutio
 
 
 def test_length_and_sign_of_a_direction_do_not_matter() -> None:
-    made = surface(CHECK)
+    made = uncorrected(CHECK)
     points = points_near(made, 100)
     normals = made.gap(points).gradient
     assert project(made, points, -7e5 * normals) == pytest.approx(project(made, points, normals), abs=1e-12)
@@ -57,7 +57,7 @@ def test_length_and_sign_of_a_direction_do_not_matter() -> None:
 
 def test_a_step_of_the_press_takes_three_evaluations() -> None:
     """From a point of the surface one grid step along the tangent plane, back along the old normal."""
-    inner = surface(CHECK)
+    inner = uncorrected(CHECK)
     counting = Counting(inner)
     feet = project(inner, points_near(inner, 300), np.tile([0.0, 0.0, 1.0], (300, 1)))
     _, normals = inner.distance_gradient(feet)

@@ -22,7 +22,7 @@ from punchform.case import (
     PunchCase,
     SphereProfile,
 )
-from punchform.punch import Paraboloid, Revolution, Sphere, bare, profile_curve, surface
+from punchform.punch import Paraboloid, Revolution, Sphere, bare, profile_curve, uncorrected
 from punchform.punch.segments import Line
 
 every_punch = pytest.mark.parametrize("made", PUNCHES.values(), ids=PUNCHES.keys())
@@ -38,7 +38,7 @@ def test_nodes_of_the_check_case_lie_on_the_punch() -> None:
             (218.26221, 0.0, 37.60534),
         ]
     )
-    assert np.abs(surface(CHECK).distance(nodes)).max() < 1e-5
+    assert np.abs(uncorrected(CHECK).distance(nodes)).max() < 1e-5
 
 
 @every_punch
@@ -280,7 +280,7 @@ def test_scaling_all_lengths_scales_the_gap(profile: Profile, scaled: object, fa
     ids=["expression", "another expression", "polynomial"],
 )
 def test_formulas_of_the_paraboloid_agree_with_it(same: Profile) -> None:
-    one, other = surface(CHECK), punch(same)
+    one, other = uncorrected(CHECK), punch(same)
     points = points_near(one, 300)
     a, b = one.gap(points), other.gap(points)
     assert np.abs(b.value - a.value).max() < 1e-12
@@ -308,7 +308,7 @@ def test_table_converges_at_fourth_order() -> None:
 
 
 def test_surface_of_revolution_has_mirror_planes_and_its_rim() -> None:
-    made = surface(CHECK)
+    made = uncorrected(CHECK)
     assert made.mirror_planes
     assert made.rim_radius == 300.0
     assert math.isinf(Sphere(1.0).rim_radius)
@@ -360,6 +360,6 @@ def test_beyond_its_end_a_bare_profile_goes_on_straight() -> None:
 
 
 def test_a_rim_fillet_wider_than_the_rim_may_fit_a_shallow_dome() -> None:
-    made = surface(PunchCase(profile=ParaboloidProfile(focal_length=1e4), rim_radius=300, fillet=400))
+    made = uncorrected(PunchCase(profile=ParaboloidProfile(focal_length=1e4), rim_radius=300, fillet=400))
     assert 0 < made.height_at_axis < 3.0
     assert np.abs(made.distance(np.column_stack((made.meridian(99), np.zeros(99)))[:, [0, 2, 1]])).max() < 1e-11

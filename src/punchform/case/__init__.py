@@ -1,5 +1,6 @@
 """The case: what the user asks for, read from a file, checked, in internal units (mm, N, MPa, rad)."""
 
+from punchform.case.correction import FieldPoints, RadialPoints
 from punchform.case.ends import COLUMNS, End, EndCase, read_ends
 from punchform.case.grid import (
     Blank,
@@ -62,6 +63,7 @@ __all__ = [
     "EndCase",
     "ExpressionProfile",
     "FibreSection",
+    "FieldPoints",
     "FlatProfile",
     "GridCase",
     "HoldFrom",
@@ -83,6 +85,7 @@ __all__ = [
     "PressStage",
     "Profile",
     "PunchCase",
+    "RadialPoints",
     "RectangleBlank",
     "ReleaseCase",
     "ReleaseStage",

@@ -6,7 +6,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, field_serializer, field_validator, model_validator
 
-from punchform.case.parts import Length, LengthFromZero, MisfitError, Part, PositiveLength, WallAngle
+from punchform.case.correction import Correction, increasing
+from punchform.case.parts import Length, LengthFromZero, Part, PositiveLength, WallAngle
 from punchform.case.tables import points_in_place_of_file
 from punchform.units import NUMBER, length_power, quantity, show
 
@@ -94,12 +95,7 @@ class TableProfile(Part):
 
     @model_validator(mode="after")
     def _increasing(self) -> Self:
-        for number, ((before, _), (after, _)) in enumerate(zip(self.points, self.points[1:], strict=False), start=2):
-            if after <= before:
-                raise MisfitError(
-                    f"rho must increase from point to point: point {number} has {after:g} mm after {before:g} mm",
-                    key=("points",),
-                )
+        increasing(self.points)
         return self
 
 
@@ -136,4 +132,7 @@ class PunchCase(Part):
         default_factory=_tenth_of_rim,
         description="radius of the circle tangent to the profile and to z = 0 at the rim [mm]; "
         "a tenth of the rim radius when left out",
+    )
+    correction: Correction | None = Field(
+        default=None, description="heights that are added to the profile, as `punchform compensate` finds them"
     )

@@ -22,7 +22,7 @@ def json_schema() -> dict[str, Any]:
     for part in parts.values():
         choice = [key for key in ("kind", "shape") if "const" in part["properties"].get(key, {})]
         part["required"] = [*choice, *part.get("required", [])]
-    for name in ("PointsLine", "TableProfile", "TableHardening", "TensileHardening"):
+    for name in ("PointsLine", "TableProfile", "TableHardening", "TensileHardening", "FieldPoints", "RadialPoints"):
         parts[name]["required"].remove("points")
         parts[name]["oneOf"] = [{"required": ["points"]}, {"required": ["file"]}]
     parts["CosineLine"]["required"].remove("height")

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from punchform.case import PunchCase
+import numpy as np
+
+from punchform.case import FieldPoints, PunchCase, RadialPoints
 from punchform.errors import InputError
 from punchform.punch.bare import Paraboloid, Sphere, bare, profile_curve
+from punchform.punch.corrected import Corrected, Tool, corrected
+from punchform.punch.correction import Correction, HeightField, RadialCorrection, Rise
 from punchform.punch.domes import dome
 from punchform.punch.fillet import rim_arc
+from punchform.punch.gentle import check_correction
 from punchform.punch.lowered import lowered
 from punchform.punch.meridian import Meridian
 from punchform.punch.project import laid_onto, project
@@ -16,24 +21,54 @@ from punchform.punch.segments import Line
 from punchform.punch.sharpness import check_sharpness
 
 __all__ = [
+    "Corrected",
+    "Correction",
     "Gap",
+    "HeightField",
     "Meridian",
     "Paraboloid",
+    "RadialCorrection",
     "Revolution",
+    "Rise",
     "Sphere",
     "Surface",
+    "Tool",
     "bare",
+    "check_correction",
     "check_sharpness",
+    "corrected",
+    "correction_of",
     "laid_onto",
     "lowered",
     "profile_curve",
     "project",
     "surface",
+    "uncorrected",
 ]
 
 
-def surface(case: PunchCase) -> Revolution:
-    """The surface of a punch: profile, rim fillet, and the flange z = 0 from the rim outwards.
+def surface(case: PunchCase) -> Tool:
+    """The surface of a punch: profile, rim fillet, the flange z = 0 from the rim outwards, and its correction.
+
+    Raises InputError when the fillet does not fit, or the profile is not defined, not smooth, or not a dome, or the
+    correction does not die out.
+    """
+    return corrected(uncorrected(case), correction_of(case))
+
+
+def correction_of(case: PunchCase) -> Correction | None:
+    """The correction of a punch, None without one. Raises InputError when it does not die out."""
+    match case.correction:
+        case FieldPoints(grid=(x, y, dz)):
+            return HeightField(np.array(x), np.array(y), np.array(dz))
+        case RadialPoints(points=points):
+            rho, heights = np.array(points).T
+            return RadialCorrection(rho, heights)
+    return None
+
+
+def uncorrected(case: PunchCase) -> Revolution:
+    """The surface of revolution of a punch: profile, rim fillet, and the flange z = 0 from the rim outwards.
 
     Raises InputError when the fillet does not fit, or the profile is not defined, not smooth, or not a dome.
     """

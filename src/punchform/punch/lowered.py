@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from punchform.arrays import Floats
+from punchform.punch.first_order import distance_of, gap_of
 from punchform.punch.protocol import Gap, Surface
 
 
@@ -15,12 +16,7 @@ class Lowered:
     """A surface with its heights times `share`; a `Surface`.
 
     With g the signed distance to the surface itself, A = diag(1, 1, 1/share) and F(x) = share g(A x), so that the
-    gradient of F stays between share and 1 however small the share is,
-
-    value = F/|∇F|,  gradient = N = ∇F/|∇F|,  Hessian = (I - N Nᵀ) ∇²F (I - N Nᵀ)/|∇F|.
-
-    The zero set is exact, and on it these are value, gradient and Hessian of the signed distance. Off it the value is
-    the distance to first order, which is what a projection wants.
+    gradient of F stays between share and 1 however small the share is; gap and distance are those of F by Eq. (8.20).
     """
 
     whole: Surface
@@ -39,10 +35,8 @@ class Lowered:
     def gap(self, points: Floats) -> Gap:
         """Distance to first order, its gradient and Hessian as on the surface, at points (n, 3) [mm]."""
         gap = self.whole.gap(self._stretched(points))
-        steep, normal = self._steepness(gap.gradient)
-        bent = gap.hessian * np.outer(self._scale, self._scale) * self.share
-        across = np.eye(3) - normal[:, :, None] * normal[:, None]
-        return Gap(self.share * gap.value / steep, normal, across @ bent @ across / steep[:, None, None])
+        bent = self.share * gap.hessian * np.outer(self._scale, self._scale)
+        return gap_of(self.share * gap.value, self._slope(gap.gradient), bent)
 
     def distance(self, points: Floats) -> Floats:
         """Distance (n,) [mm] of points (n, 3) [mm], to first order; its sign is exact."""
@@ -51,8 +45,7 @@ class Lowered:
     def distance_gradient(self, points: Floats) -> tuple[Floats, Floats]:
         """Distance (n,) [mm] to first order and its unit gradient (n, 3) as on the surface."""
         value, gradient = self.whole.distance_gradient(self._stretched(points))
-        steep, normal = self._steepness(gradient)
-        return self.share * value / steep, normal
+        return distance_of(self.share * value, self._slope(gradient))
 
     def height(self, xy: Floats) -> Floats:
         """Height z (n,) [mm] over points (n, 2) [mm] of the flat plane."""
@@ -66,11 +59,9 @@ class Lowered:
         """The points as the whole surface sees them."""
         return np.asarray(points * self._scale)
 
-    def _steepness(self, gradient: Floats) -> tuple[Floats, Floats]:
-        """|∇F| (n,) and the unit normals (n, 3) from the gradients of the whole distance."""
-        scaled = self.share * gradient * self._scale
-        steep = np.linalg.norm(scaled, axis=1)
-        return steep, scaled / steep[:, None]
+    def _slope(self, gradient: Floats) -> Floats:
+        """∇F (n, 3) from the gradients of the whole distance."""
+        return np.asarray(self.share * gradient * self._scale)
 
 
 def lowered(surface: Surface, share: float) -> Surface:

@@ -19,8 +19,9 @@ FILLET_FROM_END = 2
 
 
 @dataclass(frozen=True)
-class _Bends:
-    """Short pieces of a meridian: rho and radius [mm], angle turned [rad, signed], number of the segment."""
+class Bends:
+    """Short pieces of a curve in an upright plane: distance from the axis and radius [mm], angle turned [rad, signed],
+    number of the segment."""
 
     rho: Floats
     radius: Floats
@@ -37,8 +38,8 @@ def check_sharpness(
     An error: the radius is below one step; a warning: below two steps.
     """
     bends = _bends(surface)
-    sharp = _runs(bends.radius < step, bends)
-    tight = [run for run in _runs(bends.radius < 2 * step, bends) if not any(_overlap(run, worse) for worse in sharp)]
+    sharp = runs(bends.radius < step, bends)
+    tight = [run for run in runs(bends.radius < 2 * step, bends) if not any(_overlap(run, worse) for worse in sharp)]
     fillet = len(surface.chain.segments) - FILLET_FROM_END if math.isfinite(surface.rim_radius) else None
 
     def problem(run: slice, how: str) -> Problem:
@@ -49,7 +50,7 @@ def check_sharpness(
     )
 
 
-def _bends(surface: Revolution) -> _Bends:
+def _bends(surface: Revolution) -> Bends:
     rho, radius, turned, segment = [], [], [], []
     for number, piece in enumerate(surface.chain.segments):
         feet = piece.trace(TRACE, 1.1 * surface.rim_radius)
@@ -62,10 +63,10 @@ def _bends(surface: Revolution) -> _Bends:
         rho.append(feet.rho[:-1])
         turned.append(angles)
         segment.append(np.full(angles.size, number))
-    return _Bends(np.concatenate(rho), np.concatenate(radius), np.concatenate(turned), np.concatenate(segment))
+    return Bends(np.concatenate(rho), np.concatenate(radius), np.concatenate(turned), np.concatenate(segment))
 
 
-def _runs(sharp: Bools, bends: _Bends) -> list[slice]:
+def runs(sharp: Bools, bends: Bends) -> list[slice]:
     """Contiguous sharp pieces that turn by more than 3 degrees together, all to the same side."""
     side = np.where(sharp, np.sign(bends.turned), 0.0)
     edges = np.flatnonzero(np.diff(side, prepend=0.0, append=0.0))
@@ -77,7 +78,7 @@ def _overlap(a: slice, b: slice) -> bool:
     return bool(a.start < b.stop and b.start < a.stop)
 
 
-def _problem(bends: _Bends, run: slice, step: float, *, where: str, fillet: int | None, how: str) -> Problem:
+def _problem(bends: Bends, run: slice, step: float, *, where: str, fillet: int | None, how: str) -> Problem:
     radii = bends.radius[run]
     worst = run.start + int(np.argmax(radii <= 1.001 * radii.min()))
     degrees = abs(np.rad2deg(bends.turned[run].sum()))
