@@ -33,6 +33,7 @@ def points_in_place_of_file(values: Any, info: ValidationInfo) -> Any:
 
 def _rows(path: Path) -> list[list[float]]:
     rows: list[list[float]] = []
+    named = False
     for number, line in enumerate(lines_of(path, key=("file",)), start=1):
         words = [word for word in re.split(r"[,;\s]+", line.split("#")[0].strip()) if word]
         if not words:
@@ -40,12 +41,13 @@ def _rows(path: Path) -> list[list[float]]:
         try:
             row = [float(word) for word in words]
         except ValueError:
-            if not rows and number == 1:
+            if not rows and not named:
+                named = True
                 continue
             raise MisfitError(
                 f"line {number} of {path.name} is not a row of numbers: '{line.strip()[:60]}'",
                 key=("file",),
-                hint="write bare numbers (mm, MPa), separated by commas; the first line may hold names",
+                hint="write bare numbers (mm, MPa), separated by commas; the first row may hold names",
             ) from None
         if not all(math.isfinite(value) for value in row):
             raise MisfitError(f"line {number} of {path.name} has a number that is not finite", key=("file",))

@@ -17,6 +17,7 @@ from punchform.punch.meridian import Meridian
 from punchform.punch.project import laid_onto, project
 from punchform.punch.protocol import Gap, Surface
 from punchform.punch.revolution import Revolution
+from punchform.punch.section import is_turned, points_needed, section, section_angles
 from punchform.punch.segments import Line
 from punchform.punch.sharpness import check_sharpness
 
@@ -38,10 +39,14 @@ __all__ = [
     "check_sharpness",
     "corrected",
     "correction_of",
+    "is_turned",
     "laid_onto",
     "lowered",
+    "points_needed",
     "profile_curve",
     "project",
+    "section",
+    "section_angles",
     "surface",
     "uncorrected",
 ]

@@ -47,6 +47,16 @@ class Correction(ABC):
     def largest(self) -> float:
         """Its largest size at its points [mm]."""
 
+    @property
+    @abstractmethod
+    def points(self) -> Floats:
+        """Its points as a case holds them [mm]: rows (x, y, dz) or (rho, dz)."""
+
+    @property
+    @abstractmethod
+    def setting(self) -> dict[str, object]:
+        """What a case holds at `punch.correction` for it."""
+
     @abstractmethod
     def rise(self, xy: Floats) -> Rise:
         """Value, gradient and Hessian over points (n, 2) [mm] of the flat plane."""
@@ -102,6 +112,17 @@ class HeightField(Correction):
     def largest(self) -> float:
         """Largest size of its heights [mm]."""
         return float(np.abs(self.dz).max())
+
+    @property
+    def points(self) -> Floats:
+        """Rows (x, y, dz) [mm], (n m, 3)."""
+        x, y = np.meshgrid(self.x, self.y, indexing="ij")
+        return np.column_stack((x.ravel(), y.ravel(), self.dz.ravel()))
+
+    @property
+    def setting(self) -> dict[str, object]:
+        """The table { kind = "field", points = [...] }."""
+        return {"kind": "field", "points": self.points.tolist()}
 
     def rise(self, xy: Floats) -> Rise:
         """Value, gradient and Hessian over points (n, 2) [mm]."""
@@ -186,6 +207,16 @@ class RadialCorrection(Correction):
     def largest(self) -> float:
         """Largest size of its heights [mm]."""
         return float(np.abs(self.dz).max())
+
+    @property
+    def points(self) -> Floats:
+        """Rows (rho, dz) [mm], (n, 2)."""
+        return np.column_stack((self.rho, self.dz))
+
+    @property
+    def setting(self) -> dict[str, object]:
+        """The table { kind = "radial", points = [...] }."""
+        return {"kind": "radial", "points": self.points.tolist()}
 
     def rise(self, xy: Floats) -> Rise:
         """Value, gradient and Hessian over points (n, 2) [mm]."""
