@@ -35,10 +35,21 @@ STEP = 'step = "7.5 mm"'
 BLANK = 'blank = { shape = "circle", radius = "345 mm" }'
 DIAMETER = 'diameter = "0.75 mm"'
 MODULUS = 'youngs_modulus = "210 GPa"'
+FILLET = 'fillet = "30 mm"'
 PROFILE = 'profile = { kind = "paraboloid", focal_length = "250 mm" }'
 RIM = 'rim = "draw"'
 
 SKEW = [[float(row == column) + 0.1 * (row == 0 and column == 1) for column in range(6)] for row in range(6)]
+
+
+def corrected(kind: str, points: object) -> str:
+    """The fillet with a correction of these points below it."""
+    return f"{FILLET}\ncorrection = {{ kind = '{kind}', points = {points} }}"
+
+
+AWAY = [[0, 0], [5, 0], [10, 0], [20, 0]]
+"""Points of a correction of nothing."""
+SQUARE = [[x, y, 0] for x in (0, 5, 10, 20) for y in (0, 5, 10, 20)]
 
 # what is replaced, by what, the place and the beginning of the message, the hint ("" for any or none)
 TABLE: list[tuple[str, str, str, str]] = [
@@ -674,6 +685,74 @@ TABLE: list[tuple[str, str, str, str]] = [
         "blank = { shape = 'polygon', points = [[-400, -100], [400, -100], [0, 400]] }",
         "6: grid.blank: the blank reaches only",
         "",
+    ),
+    # corrections of the punch
+    (FILLET, FILLET + "\ncorrection = 3", "16: punch.correction: expected a table with settings, not 3", ""),
+    (FILLET, FILLET + "\ncorrection = {}", "16: punch.correction.kind: is missing: expected 'field' or", ""),
+    (FILLET, corrected("fields", SQUARE), "16: punch.correction.kind: expected 'field' or 'radial'", "`field`"),
+    (
+        FILLET,
+        FILLET + "\ncorrection = { kind = 'field', file = 'none.csv' }",
+        "16: punch.correction.file: cannot read ",
+        "relative",
+    ),
+    (FILLET, corrected("field", SQUARE[:8]), "16: punch.correction.points: needs at least 16 entries, not 8", ""),
+    (
+        FILLET,
+        corrected("field", [*SQUARE, [30, 30, 0]]),
+        "16: punch.correction.points: 5 different x and 5 different y make a grid of 25 points, but 17 are given; "
+        "the first that is missing is at x = 0 mm, y = 30 mm",
+        "a height for every x and y",
+    ),
+    (
+        FILLET,
+        corrected("field", [*SQUARE, [5, 10, 0.1]]),
+        "16: punch.correction.points: point 17 stands where point 7 does: x = 5 mm, y = 10 mm",
+        "",
+    ),
+    (
+        FILLET,
+        corrected("field", [*SQUARE, [30, 30, "inf mm"]]),
+        "16: punch.correction.points[16][2]: expected a finite number",
+        "",
+    ),
+    (FILLET, corrected("field", [*SQUARE, [30, 30]]), "16: punch.correction.points[16]: has too few", ""),
+    (
+        FILLET,
+        corrected("field", [*SQUARE[:-1], [20, 20, 0.3]]),
+        "16: punch.correction.points: the correction is still 0.3 mm at its edge, at x = 20 mm, y = 20 mm",
+        "die out",
+    ),
+    (FILLET, corrected("radial", AWAY[:3]), "16: punch.correction.points: needs at least 4 entries", ""),
+    (
+        FILLET,
+        corrected("radial", [*AWAY, [15, 0]]),
+        "16: punch.correction.points: rho must increase from point to point: point 5",
+        "",
+    ),
+    (
+        FILLET,
+        corrected("radial", [*AWAY, [30, 1]]),
+        "16: punch.correction.points: the correction is still 1 mm at its edge, at rho = 30 mm",
+        "",
+    ),
+    (
+        FILLET,
+        corrected("radial", [*AWAY[1:], [30, 0]]),
+        "16: punch.correction.points: the correction starts at rho = 5 mm",
+        "",
+    ),
+    (
+        FILLET,
+        corrected("radial", [[0, 1], [5, -1], [8, 0], [80, 0]]),
+        "16: punch.correction: the correction bends the punch with a radius of ",
+        "smooth the correction",
+    ),
+    (
+        FILLET,
+        corrected("radial", [[0, -90], [100, -90], [200, -40], [280, 0]]),
+        "16: punch.correction: the correction takes the punch ",
+        "is a sign wrong?",
     ),
     # syntax
     ('"7.5 mm"', "7.5 mm", "5: not valid TOML: ", 'stands in quotes: "7.5 mm"'),

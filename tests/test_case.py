@@ -23,6 +23,7 @@ from punchform.case import (
     EllipsoidProfile,
     ExpressionProfile,
     FibreSection,
+    FieldPoints,
     FlatProfile,
     GridCase,
     HoldFrom,
@@ -34,6 +35,7 @@ from punchform.case import (
     PowerHardening,
     PressCase,
     PunchCase,
+    RadialPoints,
     RectangleBlank,
     ReleaseCase,
     SolverCase,
@@ -237,6 +239,20 @@ def test_points_come_from_a_file_beside_the_case(tmp_path: Path) -> None:
     assert case_from_text(write_case(case)) == case
 
 
+def test_points_of_a_correction_come_from_a_file_with_comments(tmp_path: Path) -> None:
+    rows = [f"{x},{y},{0.1 * (x + y == 0)}" for y in (9, 0, 3, 6) for x in (0, 6, 3, 9)]
+    (tmp_path / "correction.csv").write_text("# heights\n# in mm\nx,y,dz\n" + "\n".join(rows), "utf-8")
+    text = SHORT.replace("[punch]", '[punch]\ncorrection = { kind = "field", file = "correction.csv" }')
+    (tmp_path / "dish.toml").write_text(text, "utf-8")
+    case = read_case(tmp_path / "dish.toml")
+    added = case.tool.correction
+    assert isinstance(added, FieldPoints)
+    x, y, dz = added.grid
+    assert x == y == [0, 3, 6, 9]
+    assert dz == [[0.1, 0, 0, 0], [0] * 4, [0] * 4, [0] * 4]
+    assert case_from_text(write_case(case)) == case
+
+
 def test_a_file_saved_by_a_windows_editor_reads_the_same(tmp_path: Path) -> None:
     (tmp_path / "dish.toml").write_bytes(b"\xef\xbb\xbf" + SHORT.replace("\n", "\r\n").encode())
     assert read_case(tmp_path / "dish.toml") == case_from_text(SHORT)
@@ -309,6 +325,15 @@ lengths = st.floats(-1e3, 1e3)
 def increasing(least: int) -> st.SearchStrategy[tuple[tuple[float, float], ...]]:
     columns = st.lists(st.tuples(lengths, lengths), min_size=least, max_size=30, unique_by=lambda row: row[0])
     return columns.map(lambda rows: tuple(sorted(rows)))
+
+
+@st.composite
+def corrections(draw: st.DrawFn) -> FieldPoints | RadialPoints:
+    heights = st.floats(-1, 1)
+    if draw(st.booleans()):
+        return RadialPoints(points=draw(increasing(4)))
+    places = draw(st.lists(st.integers(-900, 900), min_size=4, max_size=6, unique=True))
+    return FieldPoints(points=tuple((x / 7, y / 3, draw(heights)) for x in places for y in places))
 
 
 profiles = st.one_of(
@@ -405,7 +430,13 @@ cases = st.builds(
     title=st.text(max_size=30),
     grid=grids,
     wire=wires,
-    punch=st.builds(PunchCase, profile=profiles, rim_radius=st.floats(100, 500), fillet=st.floats(0, 100)),
+    punch=st.builds(
+        PunchCase,
+        profile=profiles,
+        rim_radius=st.floats(100, 500),
+        fillet=st.floats(0, 100),
+        correction=st.none() | corrections(),
+    ),
     press=presses,
     solver=st.builds(SolverCase, tolerance=st.floats(1e-15, 1e-3), max_steps=st.integers(1, 999)),
     release=st.none()

@@ -38,12 +38,11 @@ class FieldPoints(Part):
                     f"point {number} stands where point {first} does: x = {x:g} mm, y = {y:g} mm", key=("points",)
                 )
         xs, ys = self._places()
-        missing = len(xs) * len(ys) - len(found)
-        if missing:
+        if len(found) < len(xs) * len(ys):
             x, y = next((x, y) for x in xs for y in ys if (x, y) not in found)
             raise MisfitError(
-                f"{len(xs)} different x and {len(ys)} different y make a grid of {len(xs) * len(ys)} points, of which "
-                f"{missing} are missing, the first at x = {x:g} mm, y = {y:g} mm",
+                f"{len(xs)} different x and {len(ys)} different y make a grid of {len(xs) * len(ys)} points, but "
+                f"{len(found)} are given; the first that is missing is at x = {x:g} mm, y = {y:g} mm",
                 key=("points",),
                 hint="give a height for every x and y; nil where nothing is corrected",
             )

@@ -133,7 +133,7 @@ class HeightField(Correction):
         along_y = [np.einsum("nij,nj->ni", patch, power) for power in py]
         s = {(a, b): np.einsum("ni,ni->n", px[a], along_y[b]) for a in range(3) for b in range(3 - a)}
         for (a, b), values in s.items():
-            values *= x.sign**a * y.sign**b
+            values *= x.sign ** (a % 2) * y.sign ** (b % 2)
         wx, wy = self._along_x.window(xy[:, 0]), self._along_y.window(xy[:, 1])
         return _windowed(s, wx, wy)
 

@@ -20,7 +20,7 @@ SAME = 1e-9
 
 class Cells(NamedTuple):
     """Where numbers lie along an axis: cell (n,), place in it from its start [mm] (n,), sign (n,) by which an odd
-    derivative is turned in the mirrored half."""
+    derivative is turned in the mirrored half, 0 on the mirror line."""
 
     number: Ints
     place: Floats
@@ -48,7 +48,7 @@ class Axis:
 
     def cells(self, x: Floats) -> Cells:
         """The cells of x (n,); beyond the ends the end itself."""
-        sign = np.where(x < 0.0, -1.0, 1.0) if self.mirrored else np.ones_like(x)
+        sign = np.sign(x) if self.mirrored else np.ones_like(x)
         inside = np.clip(sign * x, self.points[0], self.points[-1])
         number = np.clip(np.searchsorted(self.points, inside, side="right") - 1, 0, self.points.size - 2)
         return Cells(number, inside - self.points[number], sign)
@@ -56,16 +56,19 @@ class Axis:
     def window(self, x: Floats) -> Window:
         """1 between the outermost cells, 0 beyond the ends, and C² in between."""
         if self.mirrored:
-            x, turn = np.abs(x), np.where(x < 0.0, -1.0, 1.0)
-            end = _fade((self.points[-1] - x) / (self.points[-1] - self.points[-2]), self.points[-2] - self.points[-1])
-            return Window(end.value, turn * end.first, end.second)
+            end = self._ending(np.abs(x))
+            return Window(end.value, np.sign(x) * end.first, end.second)
         first = _fade((x - self.points[0]) / (self.points[1] - self.points[0]), self.points[1] - self.points[0])
-        last = _fade((self.points[-1] - x) / (self.points[-1] - self.points[-2]), self.points[-2] - self.points[-1])
+        last = self._ending(x)
         return Window(
             first.value * last.value,
             first.first * last.value + first.value * last.first,
             first.second * last.value + 2.0 * first.first * last.first + first.value * last.second,
         )
+
+    def _ending(self, x: Floats) -> Window:
+        length = self.points[-1] - self.points[-2]
+        return _fade((self.points[-1] - x) / length, -length)
 
 
 def axis(name: str, points: Floats, *, where: str) -> Axis:

@@ -75,7 +75,7 @@ def _steep(surface: Corrected, lines: tuple[_Lines, ...]) -> Problem | None:
     if slope[worst] <= STEEPEST:
         return None
     return Problem(
-        f"the correction rises by {slope[worst]:.3g} mm per mm {_at(xy[worst])}, steeper than 45 degrees",
+        f"the correction rises by {slope[worst]:.3g} mm per mm {_at(surface, xy[worst])}, steeper than 45 degrees",
         where=WHERE,
         hint="are its heights in mm? what is so steep belongs in the profile",
     )
@@ -88,7 +88,7 @@ def _deep(surface: Corrected, lines: tuple[_Lines, ...]) -> Problem | None:
     if height[worst] >= -DEEPEST * surface.height_at_axis:
         return None
     return Problem(
-        f"the correction takes the punch {-height[worst]:.3g} mm below its flange {_at(xy[worst])}",
+        f"the correction takes the punch {-height[worst]:.3g} mm below its flange {_at(surface, xy[worst])}",
         where=WHERE,
         hint="heights count upwards and are added to the profile; is a sign wrong?",
     )
@@ -115,7 +115,7 @@ def _sharpest(
     least, turned, place = min(found, key=lambda bend: bend[0])
     return Problem(
         f"the correction bends the punch with a radius of {least:.4g} mm by {np.degrees(turned):.3g} degrees "
-        f"{_at(place)}, {how} the grid step of {step:g} mm",
+        f"{_at(surface, place)}, {how} the grid step of {step:g} mm",
         where=WHERE,
         hint=f"smooth the correction until its bends have a radius of at least {2 * step:g} mm, or take a finer grid",
     )
@@ -143,5 +143,7 @@ def _all(lines: tuple[_Lines, ...]) -> Floats:
     return np.concatenate([some.xy.reshape(-1, 2) for some in lines])
 
 
-def _at(xy: Floats) -> str:
+def _at(surface: Corrected, xy: Floats) -> str:
+    if isinstance(surface.correction, RadialCorrection):
+        return f"at rho = {xy[0]:.4g} mm"
     return f"at x = {xy[0]:.4g} mm, y = {xy[1]:.4g} mm"
