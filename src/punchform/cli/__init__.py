@@ -116,6 +116,19 @@ def _run(arguments: argparse.Namespace) -> Exit:
                 quiet=arguments.quiet,
                 as_json=arguments.json,
             )
+        case "punch":
+            from punchform.cli.punch import punch_case
+
+            return punch_case(
+                arguments.case,
+                arguments.output,
+                overwrite=arguments.overwrite,
+                quiet=arguments.quiet,
+                as_json=arguments.json,
+                radius=arguments.radius,
+                step=arguments.step,
+                tolerance=arguments.tolerance,
+            )
         case "element":
             from punchform.cli.element import element
 

@@ -51,6 +51,7 @@ def parser() -> argparse.ArgumentParser:
     _add_compare(commands.add_parser("compare", help="hold measured points against the target and a run"))
 
     _add_sensitivity(commands.add_parser("sensitivity", help="which numbers matter, and what tolerance each needs"))
+    _add_punch(commands.add_parser("punch", help="the punch as files for the workshop: tables, drawing, solid"))
 
     element = commands.add_parser("element", help="the stiffness of one wire between two crossings")
     element.add_argument("case", metavar="CASE", help=CASE_HELP)
@@ -111,6 +112,14 @@ def _add_sensitivity(command: argparse.ArgumentParser) -> None:
     command.add_argument("--overwrite", action="store_true", help="replace an earlier answer in that folder")
     command.add_argument("--quiet", action="store_true", help="no progress and no notes")
     command.add_argument("--json", action="store_true", help="print result.json instead of a table")
+
+
+def _add_punch(command: argparse.ArgumentParser) -> None:
+    """The arguments of `punch`."""
+    _add_run(command)
+    command.add_argument("--radius", metavar="LENGTH", help="how far the files reach (1.1 times the rim's)")
+    command.add_argument("--step", metavar="LENGTH", help="distance of the points of the height field (a round one)")
+    command.add_argument("--tolerance", metavar="LENGTH", help="how far facets may be from the punch (0.02 mm)")
 
 
 def _add_compare(command: argparse.ArgumentParser) -> None:
