@@ -31,9 +31,13 @@ def write_case(case: Case) -> str:
 
 
 def _entry(value: Any) -> str:
-    """A value on one line, or a long list with one entry per line."""
+    """A value on one line, or long lists, those of a table too, with one entry per line."""
     line = _value(value)
-    if isinstance(value, list) and len(line) > _WIDTH:
+    if len(line) <= _WIDTH:
+        return line
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{key} = {_entry(each)}" for key, each in value.items()) + " }"
+    if isinstance(value, list):
         return "[\n" + "".join(f"    {_value(each)},\n" for each in value) + "]"
     return line
 

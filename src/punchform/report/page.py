@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 PAGE, FIGURES = "report.html", "figures"
 CODE = re.compile("`([^`]+)`")
+SHOWN = 20
+"""Entries of a long list of the case that the page shows."""
 LIBRARIES = ("numpy", "scipy", "numba", "matplotlib")
 AFTER = ("accuracy", "released", "loaded")
 """Sections whose pictures compare the grid in the tool with what is left of it."""
@@ -152,10 +154,28 @@ def render(
         details=details,
         figures=[pair for pair in figures if pair[0].section not in named],
         notes=notes,
-        case_text=write_case(case),
+        case_text=cut(write_case(case)),
         beside=beside,
         versions=_versions(),
     )
+
+
+def cut(case_text: str, shown: int = SHOWN) -> str:
+    """A case without the later entries of its longest lists: many points are read in the file, not on the page.
+
+    >>> print(cut("points = [\\n" + "    [0, 0],\\n" * 9 + "]", shown=2))
+    points = [
+        [0, 0],
+        [0, 0],
+        # 7 more in case.toml
+    ]
+    """
+
+    def shorter(rows: re.Match[str]) -> str:
+        lines = rows[0].splitlines(keepends=True)
+        return "".join(lines[:shown]) + f"    # {len(lines) - shown} more in case.toml\n"
+
+    return re.sub(rf"(?:    .*\n){{{2 * shown},}}", shorter, case_text)
 
 
 def spoken(text: str) -> Markup:
