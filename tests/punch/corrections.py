@@ -14,6 +14,8 @@ from punchform.punch.curves import Graph, HeightFunction
 
 REACH = 250.0
 """Where the corrections end [mm]; the punches have their fillets beyond."""
+WIDE = 360.0
+"""Where the wide one ends: on the flange, beyond the wall of a cup and the rim at 300 mm."""
 Shape = Callable[[Floats, Floats], Floats]
 """Heights over rho and phi."""
 
@@ -32,6 +34,11 @@ def dome(rho: Floats, phi: Floats) -> Floats:
 def lobed(rho: Floats, phi: Floats) -> Floats:
     """With the mirror planes of a quarter."""
     return fading(rho) * (1.5 + 2.0 * np.cos(4 * phi) * (rho / REACH) ** 4)
+
+
+def wide(rho: Floats, phi: Floats) -> Floats:
+    """The same lobes over the rim of a punch and onto its flange."""
+    return lobed(REACH / WIDE * rho, phi)
 
 
 def skew(rho: Floats, phi: Floats) -> Floats:
@@ -57,7 +64,7 @@ CORRECTED: dict[str, Corrected] = {
     "whole": Corrected(PUNCHES["paraboloid"], field(skew, whole=True)),
     "turned": Corrected(PUNCHES["sphere"], turned(dome)),
     "cone": Corrected(PUNCHES["cone"], field(lobed)),
-    "over the wall": Corrected(PUNCHES["cup"], field(lobed, reach=1.2 * 300.0)),
+    "over the wall": Corrected(PUNCHES["cup"], field(wide, reach=WIDE)),
 }
 """Punches of rim radius 300 mm with corrections, one of which reaches over a wall onto the flange."""
 

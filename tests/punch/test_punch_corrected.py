@@ -289,3 +289,10 @@ def test_bends_slopes_and_depth_of_a_correction_are_looked_at() -> None:
     assert "at x = " in sharp.message
     assert "sharper than the grid step of 50 mm" in sharp.message
     assert (sharp.where, doubts) == ("punch.correction", ())
+
+
+def test_a_correction_of_the_flange_is_told() -> None:
+    errors, doubts = check_correction(CORRECTED["over the wall"], 7.5)
+    assert not errors
+    assert "the correction changes the flange by" in doubts[-1].message
+    assert "beyond the rim at 300 mm" in doubts[-1].message

@@ -10,6 +10,7 @@ from punchform.arrays import Bools, Floats
 from punchform.errors import Problem
 from punchform.punch.corrected import Corrected
 from punchform.punch.correction import HeightField, RadialCorrection
+from punchform.punch.dying_out import NIL
 from punchform.punch.protocol import Surface
 from punchform.punch.sharpness import Bends, runs
 
@@ -47,6 +48,8 @@ def check_correction(surface: Corrected, step: float) -> tuple[tuple[Problem, ..
         errors.append(sharp)
     elif tight := _sharpest(surface, bent, step, 2 * step, "hardly wider than"):
         doubts.append(tight)
+    if told := _on_flange(surface, lines):
+        doubts.append(told)
     return tuple(errors), tuple(doubts)
 
 
@@ -91,6 +94,20 @@ def _deep(surface: Corrected, lines: tuple[_Lines, ...]) -> Problem | None:
         f"the correction takes the punch {-height[worst]:.3g} mm below its flange {_at(surface, xy[worst])}",
         where=WHERE,
         hint="heights count upwards and are added to the profile; is a sign wrong?",
+    )
+
+
+def _on_flange(surface: Corrected, lines: tuple[_Lines, ...]) -> Problem | None:
+    xy = _all(lines)
+    size = np.where(np.hypot(*xy.T) > surface.rim_radius, np.abs(surface.correction.value(xy)), 0.0)
+    worst = int(np.argmax(size))
+    if size[worst] <= NIL:
+        return None
+    return Problem(
+        f"the correction changes the flange by {size[worst]:.3g} mm {_at(surface, xy[worst])}, beyond the rim at "
+        f"{surface.rim_radius:g} mm",
+        where=WHERE,
+        hint="let it die out before the fillet, unless the flange is to be machined too",
     )
 
 
