@@ -12,7 +12,7 @@ from punchform.case import Case, number, unit, varied
 from punchform.grid import Grid, restepped
 from punchform.mechanics.bars import Bars
 from punchform.prepare import Prepared
-from punchform.punch import Revolution, surface
+from punchform.punch import Tool, surface
 from punchform.solved import bars_of
 from punchform.wire import Element, pieces, stiffness
 
@@ -38,7 +38,7 @@ class Knot:
     grid: Grid
     elements: tuple[Element, ...]
     bars: Bars
-    punch: Revolution
+    punch: Tool
 
 
 def family(case: Case, place: str) -> Family:
