@@ -17,17 +17,20 @@ from punchform.case import Case, number, read_case, varied
 from punchform.cli import main
 from punchform.errors import InputError
 from punchform.mechanics import linear
+from punchform.optimise import equilibria as at_rest
 from punchform.optimise import tangents
 from punchform.optimise.adjoint import adjoint
+from punchform.optimise.equilibria import equilibria, why_not
 from punchform.optimise.figures import FIGURES, Deviation
-from punchform.optimise.knots import FOUR, STEP, TWO, family, knots, slope, step_of
-from punchform.optimise.sensitivity import Seen, Sensitivity, crossing_by_crossing, gradients, numbers, sensitivities
-from punchform.optimise.tangents import equilibria, tangent_runs, why_not
+from punchform.optimise.knots import FOUR, SHORT, TWO, family, knots, slope, step_of
+from punchform.optimise.numbers import crossing_by_crossing, numbers
+from punchform.optimise.sensitivity import Seen, Sensitivity, gradients, sensitivities
+from punchform.optimise.tangents import tangent_runs
 from punchform.optimise.tolerance_table import csv, result, table
 from punchform.report.sensitivity import lines, words
 from punchform.run import Run, run
 
-NEAR = 0.2
+NEAR = 0.5
 """Complete solves stand this much closer together than the knots of the tangents: one crossing may cross the edge of
 the fillet between them, where the curvature of the punch jumps."""
 FIXED = ("punch.profile.coefficients[0]", "punch.profile.coefficients[1]", "release.ribs[0].lift", "load.gravity")
@@ -69,7 +72,7 @@ def test_the_adjoint_is_the_slope_of_complete_solves(name: str) -> None:
     for place in wanted:
         runs, step = solved(base.case, place)
         direct = float(slope([rms(one) for one in runs], step))
-        size = step_of(base.case, place) / STEP
+        size = abs(number(base.case, place)) or step_of(base.case, place) / SHORT
         # What is below 1e-9 of the effect of the whole number is not in the digits of the solves.
         assert found[place] == pytest.approx(direct, rel=1e-5, abs=1e-9 / size), place
 
@@ -117,7 +120,9 @@ def test_other_figures_follow_their_tangents() -> None:
         for name in names:
             values = [FIGURES[name].of(one) for one in runs]
             direct = float(slope([value for value in values if value is not None], step))
-            assert found[name][place] == pytest.approx(direct, rel=1e-5, abs=1e-12), (name, place)
+            # A compliance has the digits that the load leaves of the forces.
+            near = 1e-4 if name in ("compliance", "rms_deflection") else 1e-5
+            assert found[name][place] == pytest.approx(direct, rel=near, abs=1e-12), (name, place)
 
 
 def test_one_factorisation_for_each_stage(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -133,7 +138,7 @@ def test_one_factorisation_for_each_stage(monkeypatch: pytest.MonkeyPatch) -> No
             counted.append(1)
             return self.solver.factor(values)
 
-    monkeypatch.setattr(tangents, "solver_for", Counting)
+    monkeypatch.setattr(at_rest, "solver_for", Counting)
     base = run(DISH.model_copy(update={"load": None}))
     gradients(base, places(base.case), ["rms"])
     assert len(counted) == 2

@@ -19,18 +19,10 @@ from punchform.arrays import Floats
 from punchform.errors import InputError
 from punchform.holds import followed
 from punchform.mechanics import sweeps
+from punchform.optimise.equilibria import Equilibria, Rest
 from punchform.optimise.figures import Deviation
 from punchform.optimise.knots import FOUR, Knot, between, slope
-from punchform.optimise.tangents import (
-    Equilibria,
-    Moved,
-    Rest,
-    crossings,
-    judged,
-    pressed_at,
-    released_at,
-    released_at_all,
-)
+from punchform.optimise.tangents import Moved, crossings, judged, pressed_at, released_at, released_at_all
 from punchform.whole import fold_vectors
 
 ALONG = 1e-4

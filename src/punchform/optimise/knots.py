@@ -21,8 +21,10 @@ FOUR, TWO = (-2, -1, 1, 2), (-1, 1)
 values that cost a solve each: wrong at the square of it."""
 SHARES = {4: (1 / 12, -8 / 12, 8 / 12, -1 / 12), 2: (-1 / 2, 1 / 2)}
 """What each of so many values counts."""
-STEP = 2e-4
-"""The distance, relative to the number: of which square or fourth power is left out."""
+STEP, SHORT = 2e-4, 4e-5
+"""The distance, relative to the number, of which square or fourth power is left out; the short one for what moves nodes
+along the punch: at the edge of the fillet, where the curvature jumps, figures have a kink."""
+MOVING = ("grid.step", "punch.")
 
 Family = Callable[[float], Case]
 """The case at a value of a setting, as a change of it from its own value."""
@@ -74,7 +76,8 @@ def slope(values: Sequence[Floats | float], step: float) -> Floats:
 def step_of(case: Case, place: str) -> float:
     """How far to go from the value of a number: a part of it, or of what is usual in its unit where it is zero."""
     value = abs(number(case, place))
-    return STEP * (value or _usual(case, unit(case, place)))
+    share = SHORT if place.startswith(MOVING) else STEP
+    return share * (value or _usual(case, unit(case, place)))
 
 
 def _usual(case: Case, of: str) -> float:

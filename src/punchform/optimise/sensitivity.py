@@ -7,22 +7,23 @@ radius changes crossing by crossing: there the runs are a step of the grid apart
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from punchform.accuracy import Judged
 from punchform.arrays import Floats
-from punchform.case import Case, number, setting, unit, varied
+from punchform.case import Case, number, unit, varied
 from punchform.errors import InputError, NoEquilibrium
 from punchform.forces import forces
 from punchform.optimise.adjoint import adjoint
+from punchform.optimise.equilibria import Equilibria, equilibria, why_not
 from punchform.optimise.figures import FIGURES, figure
 from punchform.optimise.knots import STEP, Knot, between, family, knots, slope, step_of
-from punchform.optimise.tangents import Equilibria, equilibria, judged, tangents_of, why_not
+from punchform.optimise.numbers import crossing_by_crossing, numbers
+from punchform.optimise.tangents import judged, tangents_of
 from punchform.run import Run, run
 
 How = Literal["tangent", "differences", "a step apart"]
@@ -30,9 +31,6 @@ APART = 5e-3
 """How far complete runs are from the number on either side, as a part of it."""
 BENT = 0.2
 """A figure whose two one-sided slopes differ by more than this part of their mean is told to be far from a line."""
-VARIED = ("grid", "wire", "punch", "press", "release", "load")
-HOLDS, RIB = "release.hold.", re.compile(r"release\.ribs\[\d+\]\.radius")
-"""What decides which crossings are held: these come and go one by one."""
 OF_LOADS = ("compliance", "rms_deflection")
 
 
@@ -92,15 +90,6 @@ class Sensitivities:
 
 Many = Callable[[Sequence[Case], Sequence[str]], Iterable["Seen | str"]]
 """Runs cases and reads them, in their order; a text where one of them cannot be run."""
-
-
-def numbers(case: Case) -> tuple[str, ...]:
-    """The places of all numbers of a case that can vary without bound to whole ones: what could matter."""
-    content = case.model_dump(by_alias=True)
-    found = (place for name in VARIED for place in _leaves(content.get(name), name))
-    pair = len(set(case.grid.step)) == 1
-    places = (("grid.step" if pair and place.startswith("grid.step[") else place) for place in found)
-    return tuple(place for place in dict.fromkeys(places) if not _left_out(case, place))
 
 
 def sensitivities(
@@ -206,11 +195,6 @@ def seen(done: Run, names: Sequence[str]) -> Seen:
     return Seen(found, aligned.deviations.of(judge.measure)[mask], tuple((i, j) for i, j in index))
 
 
-def crossing_by_crossing(place: str) -> bool:
-    """Whether a number decides which crossings are held, so that no figure has a slope by it."""
-    return place.startswith(HOLDS) or RIB.fullmatch(place) is not None
-
-
 def _by_tangents(rest: Equilibria, places: Sequence[str], names: Sequence[str]) -> dict[str, Sensitivity]:
     """By following the equilibria, all numbers through one stage after the other."""
     case, rows = rest.run.case, dict[str, Sensitivity]()
@@ -297,7 +281,7 @@ def _apart(case: Case, place: str) -> float:
     if crossing_by_crossing(place):
         return max(case.grid.step)
     value = abs(number(case, place))
-    return APART * value if value else APART * step_of(case, place) / STEP
+    return APART * (value or step_of(case, place) / STEP)
 
 
 def _between(case: Case, place: str, apart: float, looks: tuple[Seen, Seen, Seen], how: How) -> Sensitivity:
@@ -328,24 +312,3 @@ def _between(case: Case, place: str, apart: float, looks: tuple[Seen, Seen, Seen
 def _unknown(case: Case, place: str, names: Sequence[str], how: How, remark: str) -> Sensitivity:
     nothing = dict.fromkeys(("rms", *names))
     return Sensitivity(place, number(case, place), unit(case, place), nothing, None, how, remark)
-
-
-def _leaves(value: Any, place: str) -> Iterator[str]:
-    """The places of the floats in tables and lists."""
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            yield from _leaves(inner, f"{place}.{key}")
-    elif isinstance(value, list | tuple):
-        for count, inner in enumerate(value):
-            yield from _leaves(inner, f"{place}[{count}]")
-    elif isinstance(value, float):
-        yield place
-
-
-def _left_out(case: Case, place: str) -> bool:
-    """What is no number of the workshop: outlines, whose crossings come and go; points along an axis; matrices."""
-    follows = place == "wire.height" and case.wire.stiffness is None
-    along = place.endswith("][0]") and "points[" in place
-    outline = place.startswith(("grid.blank", "press.ends", "press.descent", "punch.correction", "wire.stiffness"))
-    bare = setting(case, place) is None
-    return follows or along or outline or bare

@@ -18,25 +18,24 @@ import numpy as np
 
 from punchform.accuracy import Judged, Measure, judged_at
 from punchform.arrays import Floats
-from punchform.case import Case, CrossingSpring, PressCase
+from punchform.case import CrossingSpring
 from punchform.errors import InputError
 from punchform.forces import forces
 from punchform.holds import Held, followed
 from punchform.load import Loaded, loaded_by
-from punchform.mechanics.assembly import Energy, Hessian
+from punchform.mechanics.assembly import Energy
 from punchform.mechanics.bars import Loads
 from punchform.mechanics.differences import Differences
 from punchform.mechanics.footing import normals_of
 from punchform.mechanics.frames import State
 from punchform.mechanics.history import History, Recall
-from punchform.mechanics.kinematics import Chart, FreeFrames
-from punchform.mechanics.linear import Factor, solver_for
+from punchform.mechanics.kinematics import FreeFrames
 from punchform.mechanics.outcome import Outcome, Solution
-from punchform.optimise.knots import Knot, between, slope
-from punchform.prepare import Prepared, prepare
-from punchform.press import Formed, energy_of, formed_by, press
+from punchform.optimise.equilibria import Equilibria, Landing, Rest, freed_of, press_of
+from punchform.optimise.knots import Knot, between
+from punchform.press import Formed, formed_by
 from punchform.punch import lowered, project
-from punchform.release import Released, free_energy, released_by
+from punchform.release import Released, released_by
 from punchform.run import Run, Stage
 from punchform.solved import Solved
 from punchform.strokes import Descent
@@ -45,60 +44,6 @@ from punchform.whole import unfold_vectors
 PASSES, AT_REST, NEARLY = 25, 1e-10, 1e-7
 """Of wires that yield: how often a knot is brought nearer to its rest, the move that is none, and the largest that may
 be left [mm, rad]."""
-
-
-@dataclass(frozen=True)
-class Rest:
-    """A stage at rest: its energy, the unknowns around its state, and the factored Hessian."""
-
-    energy: Energy
-    chart: Chart
-    factor: Factor
-
-    def follow(self, residuals: Sequence[Floats], step: float) -> Floats:
-        """The rate dz/dp of the unknowns (n,) from the gradients at the knots, Eq. (13.21)."""
-        return -self.factor.solve(slope(residuals, step))
-
-
-@dataclass(frozen=True)
-class Landing:
-    """The end of a stroke: at a share of the depth, in a state whose past is that of the strokes before, foreseen to go
-    on `times` as far as the last, Eq. (12.18)."""
-
-    share: float
-    state: State
-    times: float
-
-
-@dataclass(frozen=True)
-class Equilibria:
-    """A run and its stages at rest; `released` and `loaded` are None where there is no such stage or nothing held.
-
-    trail: the strokes whose past matters, the last of which ends where `pressed` rests.
-    """
-
-    run: Run
-    ready: Prepared
-    trail: tuple[Landing, ...]
-    pressed: Rest
-    released: Rest | None
-    loaded: Rest | None
-
-    @property
-    def factorisations(self) -> int:
-        """How many matrices must be factored for all of this."""
-        return len(self.trail) + sum(rest is not None for rest in (self.released, self.loaded))
-
-    @property
-    def remembers(self) -> bool:
-        """Whether the strokes depend on their past."""
-        return self.run.case.wire.yields
-
-    def rest_at(self, landing: Landing) -> Rest:
-        """The press at the end of a stroke."""
-        if landing is self.trail[-1]:
-            return self.pressed
-        return _rest_of_press(self.run.case, self.ready, landing)
 
 
 @dataclass(frozen=True)
@@ -121,68 +66,6 @@ class Moved:
     def settled(self) -> Moved:
         """The stage with what flowed in it as its past."""
         return replace(self, state=self.energy.settled(self.state))
-
-
-def why_not(run: Run) -> str:
-    """Why the equilibria of a run cannot be followed by their tangents; empty when they can."""
-    case = run.case
-    kinds = [stage.kind for stage in run.stages]
-    released = run.released
-    if case.press.hold is not None:
-        return "a blank holder brakes the flange, so that every stroke depends on those before it"
-    if case.press.pull is not None:
-        return "the pull follows the wire ends and has no energy"
-    if case.press.method != "newton":
-        return "the descent ends before the minimum"
-    if kinds != ["press", "release", "load"][: len(kinds)]:
-        return "the grid goes through stages other than one press, one release and one load"
-    if released is not None and released.grid.nodes != run.formed.grid.nodes:
-        return "the release leaves the mirror planes of the press"
-    if released is not None and released.hold.count and _freed(run, prepare(case), released.state).kinematics.pins:
-        return "what is held leaves the released grid free to move as a whole"
-    return ""
-
-
-def equilibria(run: Run) -> Equilibria:
-    """The stages of a run at rest, each factored once. Raises InputError where `why_not` finds a reason."""
-    reason = why_not(run)
-    if reason:
-        raise InputError.of(f"there are no tangents of this run: {reason}")
-    ready = prepare(run.case)
-    released = run.released
-    trail = _trail(run, ready)
-    return Equilibria(
-        run,
-        ready,
-        trail,
-        _rest_of_press(run.case, ready, trail[-1]),
-        None if released is None or released.hold.count == 0 else _rest_of_release(run, ready),
-        None if run.loaded is None else _rest_of_load(run, ready),
-    )
-
-
-def _trail(run: Run, ready: Prepared) -> tuple[Landing, ...]:
-    """The strokes of the press, which is done once more where they have a past; else only where it ended."""
-    if not run.case.wire.yields:
-        return (Landing(1.0, run.formed.state, 0.0),)
-    case, states = run.case, list[State]()
-
-    def settle(energy: Energy, state: State) -> State:
-        states.append(state)
-        return energy.settled(state)
-
-    again = press(
-        ready.grid,
-        ready.elements,
-        ready.punch,
-        _press_of(case),
-        crossing=case.grid.crossing,
-        solver=case.solver,
-        settle=settle,
-    )
-    shares = (0.0, *(stroke.share for stroke in again.strokes))
-    times = [0.0] + [(shares[k + 1] - shares[k]) / (shares[k] - shares[k - 1]) for k in range(1, len(states))]
-    return tuple(Landing(*landed) for landed in zip(shares[1:], states, times, strict=True))
 
 
 def tangent_runs(rest: Equilibria, knots: Sequence[Knot], *, loaded: bool = False) -> tuple[Run, ...]:
@@ -282,7 +165,7 @@ def released_at_all(rest: Equilibria, knots: Sequence[Knot], formed: Sequence[St
     """The release at the knots after its unknowns have followed; of a grid that nothing holds the flat grid there."""
     if rest.released is None:
         assert rest.run.released is not None
-        energy = _freed(rest.run, rest.ready, rest.run.released.state)
+        energy = freed_of(rest.run, rest.ready, rest.run.released.state)
         flat = rest.run.released.state
         steps = [np.column_stack((knot.grid.flat, flat.positions[:, 2])) for knot in knots]
         return [_moved(energy, knot, replace(flat, positions=at)) for knot, at in zip(knots, steps, strict=True)]
@@ -342,44 +225,6 @@ def _holding(state: State, held: Held, places: State) -> State:
     return State(positions, normals, tangents, places.history)
 
 
-def _rest(energy: Energy, state: State, linear: str) -> Rest:
-    chart = energy.kinematics.chart(state)
-    values = energy.model(chart, Hessian.EXACT).values
-    return Rest(energy, chart, solver_for(energy.pattern, linear).factor(values))
-
-
-def _rest_of_press(case: Case, ready: Prepared, landing: Landing) -> Rest:
-    tool, state = lowered(ready.punch, landing.share), landing.state
-    energy = energy_of(ready.grid, ready.elements, tool, _press_of(case), crossing=case.grid.crossing, start=state)
-    return _rest(energy, state, case.solver.linear)
-
-
-def _rest_of_release(run: Run, ready: Prepared) -> Rest:
-    assert run.released is not None
-    # As it was sought: with the past that the press has left.
-    state = replace(run.released.state, history=run.formed.state.history)
-    return _rest(_freed(run, ready, state), state, run.case.solver.linear)
-
-
-def _rest_of_load(run: Run, ready: Prepared) -> Rest:
-    assert run.released is not None
-    assert run.loaded is not None
-    state = replace(run.loaded.state, history=run.released.state.history)
-    return _rest(_freed(run, ready, state), state, run.case.solver.linear)
-
-
-def _freed(run: Run, ready: Prepared, state: State) -> Energy:
-    assert run.released is not None
-    case = run.case
-    return free_energy(
-        ready.grid, ready.elements, _press_of(case), run.released.hold, state, crossing=case.grid.crossing
-    )
-
-
-def _press_of(case: Case) -> PressCase:
-    return case.framed(case.press)
-
-
 def _strength(knot: Knot) -> float | None:
     """Where the wire yields; a tensile test says it itself."""
     hardening = knot.elements[0].hardening
@@ -392,7 +237,7 @@ def _ended(done: Solved, state: State) -> Solution:
 
 def _formed(rest: Equilibria, knot: Knot, moved: Moved) -> Formed:
     down = Descent(moved.energy, _ended(rest.run.formed, moved.state), rest.run.formed.strokes, None)
-    return formed_by(down, knot.elements, knot.punch, _press_of(knot.case), _strength(knot))
+    return formed_by(down, knot.elements, knot.punch, press_of(knot.case), _strength(knot))
 
 
 def _released(rest: Equilibria, knot: Knot, moved: Moved, formed: Formed) -> Released:
