@@ -18,7 +18,7 @@ from numba import njit
 
 from punchform.arrays import Floats, Ints
 from punchform.mechanics import sweeps
-from punchform.mechanics.assembly import THREADS, WORTH_THREADS, Energy, Hessian
+from punchform.mechanics.assembly import STRIPS, WORTH_STRIPS, Energy, Hessian
 from punchform.mechanics.element import end_force, gradient, loads, modes, wire_ends
 from punchform.mechanics.footing import shifted
 from punchform.mechanics.frames import State
@@ -64,7 +64,7 @@ class OneChart:
     @cached_property
     def _shares(self) -> list[Ints]:
         elements = self.energy.grid.elements
-        return np.array_split(np.arange(elements), THREADS if elements > WORTH_THREADS else 1)
+        return np.array_split(np.arange(elements), STRIPS if elements > WORTH_STRIPS else 1)
 
     def _sweep(self, state: State) -> tuple[float, Floats]:
         """Energy, and its gradient G (2 N, 6) to shifts and spin vectors."""
@@ -78,7 +78,7 @@ class OneChart:
         if len(self._shares) == 1:
             halves = [half(self._shares[0])]
         else:
-            with ThreadPoolExecutor(THREADS) as pool:
+            with ThreadPoolExecutor(STRIPS) as pool:
                 halves = list(pool.map(half, self._shares))
         self.energy.clock.kernel += perf_counter() - begun
         return sum(value for value, _ in halves), np.asarray(sum(G for _, G in halves))

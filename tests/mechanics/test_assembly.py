@@ -27,6 +27,7 @@ from punchform.grid import Grid
 from punchform.mechanics import assembly
 from punchform.mechanics.assembly import Energy, Hessian
 from punchform.mechanics.bars import Loads
+from punchform.mechanics.cores import USEFUL, at_most, cores
 from punchform.mechanics.frames import State
 from punchform.mechanics.friction import Friction
 from punchform.mechanics.pattern import shares
@@ -212,15 +213,21 @@ def test_nodes_on_mirror_planes_stay_there_with_their_wires_along_and_across() -
             np.testing.assert_allclose(state.tangents[on, axis] @ across, 1.0, atol=1e-14)
 
 
-def test_two_threads_find_what_one_finds(monkeypatch: pytest.MonkeyPatch) -> None:
-    energy = energy_of(free_frames(grid(symmetry="full")), crossing=500.0)
-    chart = energy.kinematics.chart(somewhere(energy))
-    alone = energy.model(chart, Hessian.EXACT)
-    monkeypatch.setattr(assembly, "WORTH_THREADS", 0)
-    together = energy.model(chart, Hessian.EXACT)
-    assert together.energy == alone.energy
-    np.testing.assert_allclose(together.gradient, alone.gradient, rtol=0, atol=1e-12 * np.abs(alone.gradient).max())
-    np.testing.assert_allclose(together.values, alone.values, rtol=0, atol=1e-12 * np.abs(alone.values).max())
+def test_one_core_finds_what_two_find_to_the_last_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The strips of a large grid follow each other on one core and lie side by side on two; the sums are the same."""
+    kinematics = free_frames(grid(12.5 * STEP, symmetry="full"))
+    chart = kinematics.chart(somewhere(energy_of(kinematics, crossing=500.0)))
+    whole = energy_of(kinematics, crossing=500.0).model(chart, Hessian.EXACT)
+    monkeypatch.setattr(assembly, "WORTH_STRIPS", 0)
+    together = energy_of(kinematics, crossing=500.0).model(chart, Hessian.EXACT)
+    with at_most(1):
+        assert cores() == 1
+        alone = energy_of(kinematics, crossing=500.0).model(chart, Hessian.EXACT)
+    assert cores() == USEFUL
+    for name in ("energy", "gradient", "values", "G"):
+        np.testing.assert_array_equal(getattr(alone, name), getattr(together, name))
+        scale = np.abs(getattr(whole, name)).max()
+        np.testing.assert_allclose(getattr(together, name), getattr(whole, name), rtol=0, atol=1e-12 * scale)
 
 
 @pytest.mark.parametrize(("symmetry", "threads"), [("full", 2), ("full", 3), ("quarter", 2)])

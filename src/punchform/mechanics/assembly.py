@@ -2,8 +2,9 @@
 
 The energy of the grid is Eq. (3.3), plus the crossing springs of Eq. (4.5), minus the work of the pull of Eq. (5.2),
 plus the friction of Eq. (12.22).
-The grid is cut into strips that touch no common unknown, so both cores can add to the same arrays; the kernels release
-the interpreter lock and run in a thread pool.
+A large grid is cut into strips that touch no common unknown, so both cores can add to the same arrays; the kernels
+release the interpreter lock and run in a thread pool. On one core the same strips follow each other: the sums are the
+same to the last bit.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from punchform.arrays import Floats, Ints
 from punchform.grid import Grid
 from punchform.mechanics import sweeps
 from punchform.mechanics.bars import Bars, Loads
+from punchform.mechanics.cores import cores
 from punchform.mechanics.frames import State, crossing_angle
 from punchform.mechanics.friction import Friction
 from punchform.mechanics.history import Flowed, History, Recall, Response, Yielding
@@ -31,9 +33,9 @@ from punchform.mechanics.pattern import Pattern, analyse, shares
 
 ROUNDING = 1e-13
 """Rounding of a long sum, relative to its terms; that of a coordinate counts a tenth of it."""
-THREADS = 2
+STRIPS = 2
 NO_REST = np.zeros((1, 10))
-WORTH_THREADS = 8000
+WORTH_STRIPS = 8000
 WORTH_THREADS_TO_YIELD = 200
 """Below so many elements a second thread costs more than it saves; those that yield have more to do."""
 
@@ -118,11 +120,7 @@ class Energy:
 
     @cached_property
     def _shares(self) -> tuple[tuple[Ints, ...], Ints]:
-        return shares(self.grid, self._threads)
-
-    @cached_property
-    def _threads(self) -> int:
-        return THREADS if self.grid.elements >= WORTH_THREADS else 1
+        return shares(self.grid, STRIPS if self.grid.elements >= WORTH_STRIPS else 1)
 
     @cached_property
     def _virgin(self) -> History:
@@ -152,7 +150,7 @@ class Energy:
         if last.answer is None or not last.has(of):
             if last.begin is None or not last.knows(of):
                 last.begin = law.beginning(self.grid.elements)
-            threads = THREADS if self.grid.elements >= WORTH_THREADS_TO_YIELD else 1
+            threads = cores() if self.grid.elements >= WORTH_THREADS_TO_YIELD else 1
             last.of, last.D = of, self._states(state)[0]
             last.answer = law.respond(self._history(state), self.grid.kind, last.D, last.begin, threads)
         return last.D, last.answer
@@ -282,12 +280,14 @@ class Energy:
     def _in_threads(self, sweep: Callable[[Ints], None]) -> None:
         """The strips of the grid at the same time, then the seams between them."""
         strips, seam = self._shares
-        if len(strips) == 1:
-            sweep(strips[0])
-            return
-        with ThreadPoolExecutor(len(strips)) as pool:
-            list(pool.map(sweep, strips))
-        sweep(seam)
+        if cores() == 1 or len(strips) == 1:
+            for strip in strips:
+                sweep(strip)
+        else:
+            with ThreadPoolExecutor(cores()) as pool:
+                list(pool.map(sweep, strips))
+        if len(seam):
+            sweep(seam)
 
     @cached_property
     def _first_wire(self) -> Ints:
