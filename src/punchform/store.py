@@ -81,6 +81,30 @@ def check_folder(folder: str | Path, *, overwrite: bool = False) -> Path:
     return path
 
 
+def check_growing_folder(folder: str | Path, mark: str) -> tuple[Path, bool]:
+    """The absolute path of a folder to which results are added one by one, and whether it holds some: it is free, or
+    has the file `mark`. Raises InputError for everything else, as `check_folder` does."""
+    path = Path(os.path.expanduser(folder)).resolve()
+    if (path / mark).is_file():
+        return path, True
+    path = check_folder(folder)
+    return path, False
+
+
+def replace_file(path: Path, text: str) -> None:
+    """Write a file aside and rename it: whoever reads it sees the old one or the new one, whole. Raises OSError."""
+    aside = path.with_name(f".{path.name}.{secrets.token_hex(4)}.new")
+    try:
+        with aside.open("w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(aside, path)
+    except BaseException:
+        aside.unlink(missing_ok=True)
+        raise
+
+
 def write_run(run: Run, folder: str | Path, *, overwrite: bool = False, extras: Sequence[Extra] = ()) -> Path:
     """Write the run folder and return its path: case.toml, result.json, nodes.csv, wires.csv, shape.vtp, and with a
     release wires_released.csv.

@@ -59,6 +59,18 @@ def length_power(exponent: int) -> Dimension:
     return Dimension(f"a quantity in {unit}", exponent, 0, 0, unit, f"0.002 {unit}")
 
 
+def dimension_of(unit: str) -> Dimension:
+    """The dimension whose internal unit is written like this.
+
+    >>> dimension_of("MPa").name, dimension_of("mm^-1").name
+    ('a stress or modulus', 'a quantity in mm^-1')
+    """
+    known = {dimension.unit: dimension for dimension in _NAMED}
+    if unit in known:
+        return known[unit]
+    return length_power(int(unit.removeprefix("mm^")))
+
+
 class UnitError(ValueError):
     """A quantity that cannot be read; `hint` says what may have been meant ("" when unknown)."""
 

@@ -10,7 +10,7 @@ import tiny_dish
 from punchform.case import Case, packaged_cases, read_case, setting, varied
 from punchform.errors import InputError, NoEquilibrium
 from punchform.optimise import evaluations
-from punchform.optimise.evaluations import Evaluation, Record, designed, evaluate, task, told, work
+from punchform.optimise.evaluations import Evaluation, Record, Task, designed, evaluate, sent, told, work
 from punchform.optimise.figures import FIGURES
 
 CASE = tiny_dish.case()
@@ -37,17 +37,17 @@ def test_the_key_knows_the_version(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_worker_gets_the_same_case(name: str) -> None:
     """What the file left out is left out for the worker too, so that it follows what is changed there."""
     case = read_case(f"packaged:{name}")
-    sent = Case.model_validate_json(task(case, {}).case)
-    assert sent == case
-    assert designed(sent, {}).key == designed(case, {}).key
+    there = Case.model_validate_json(sent(case))
+    assert there == case
+    assert designed(there, {}).key == designed(case, {}).key
     if case.punch is not None and setting(case, "wire.diameter") is not None:
         changes = {"wire.diameter": "1.1 mm"}
-        assert designed(sent, changes) == designed(case, changes)
+        assert designed(there, changes) == designed(case, changes)
 
 
 def test_a_worker_on_one_core_finds_the_same_figures() -> None:
     changes = {"wire.diameter": 0.8}
-    here, there = evaluate(CASE, changes), work(task(CASE, changes))
+    here, there = evaluate(CASE, changes), work(Task(sent(CASE), changes))
     assert here.failure is None
     assert set(here.figures) == set(FIGURES)
     assert (there.key, there.changes, there.figures) == (here.key, here.changes, here.figures)

@@ -11,11 +11,15 @@ import os
 import sys
 from collections.abc import Sequence
 from io import TextIOWrapper
+from typing import TYPE_CHECKING
 
 from punchform.cli.exits import Exit
 from punchform.cli.parser import parser
 from punchform.cli.talk import say
 from punchform.errors import InputError, NoEquilibrium
+
+if TYPE_CHECKING:
+    from punchform.cli.sweeping import Means
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -129,6 +133,20 @@ def _run(arguments: argparse.Namespace) -> Exit:
                 step=arguments.step,
                 tolerance=arguments.tolerance,
             )
+        case "sweep":
+            from punchform.cli.sweep import sweep_case
+
+            return sweep_case(
+                arguments.case,
+                arguments.output,
+                over=arguments.over,
+                samples=arguments.samples,
+                seed=arguments.seed,
+                means=_means(arguments),
+                format=arguments.format,
+                overwrite=arguments.overwrite,
+                as_json=arguments.json,
+            )
         case "element":
             from punchform.cli.element import element
 
@@ -153,3 +171,9 @@ def _run(arguments: argparse.Namespace) -> Exit:
             from punchform.cli.about import about
 
             return about()
+
+
+def _means(arguments: argparse.Namespace) -> Means:
+    from punchform.cli.sweeping import Means
+
+    return Means(arguments.workers, arguments.scheduler, arguments.quiet)

@@ -52,6 +52,7 @@ def parser() -> argparse.ArgumentParser:
 
     _add_sensitivity(commands.add_parser("sensitivity", help="which numbers matter, and what tolerance each needs"))
     _add_punch(commands.add_parser("punch", help="the punch as files for the workshop: tables, drawing, solid"))
+    _add_sweep(commands.add_parser("sweep", help="evaluate many designs of a case, into one table"))
 
     element = commands.add_parser("element", help="the stiffness of one wire between two crossings")
     element.add_argument("case", metavar="CASE", help=CASE_HELP)
@@ -155,3 +156,42 @@ def _add_compare(command: argparse.ArgumentParser) -> None:
     command.add_argument("--overwrite", action="store_true", help="replace an earlier comparison in that folder")
     command.add_argument("--quiet", action="store_true", help="no notes")
     command.add_argument("--json", action="store_true", help="print comparison.json instead of a summary")
+
+
+def _add_sweep(command: argparse.ArgumentParser) -> None:
+    """The arguments of `sweep`."""
+    command.add_argument("case", metavar="CASE", help=CASE_HELP)
+    command.add_argument(
+        "--over",
+        metavar="PLACE=VALUES",
+        action="append",
+        required=True,
+        help="a setting and its values: 'wire.diameter=0.5 mm,0.6 mm' or 'grid.step=5 mm:10 mm:6' (low, high, count); "
+        "several give all combinations; with --samples also 'grid.step=5 mm:10 mm'",
+    )
+    command.add_argument(
+        "--samples", metavar="N", type=int, help="instead of all combinations so many designs of a Latin hypercube"
+    )
+    command.add_argument("--seed", metavar="S", type=int, default=1, help="of the samples; 1 when absent")
+    command.add_argument(
+        "--format", choices=("csv", "parquet"), default="csv", help="parquet: table.parquet beside table.csv"
+    )
+    _add_many(command)
+
+
+def _add_many(command: argparse.ArgumentParser) -> None:
+    """The arguments of a command that evaluates many designs in a folder that it can go on with."""
+    command.add_argument(
+        "-o",
+        "--output",
+        metavar="DIR",
+        required=True,
+        help="folder for the results; one that was begun is gone on with",
+    )
+    command.add_argument("--workers", metavar="N", type=int, help="processes on this machine; one for each core")
+    command.add_argument(
+        "--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers compute instead, such as tcp://host:8786"
+    )
+    command.add_argument("--overwrite", action="store_true", help="begin anew in a folder that was begun")
+    command.add_argument("--quiet", action="store_true", help="no progress and no notes")
+    command.add_argument("--json", action="store_true", help="print the result as JSON instead of a summary")

@@ -53,10 +53,15 @@ class Talk:
             return
         if event.step < 0:
             say(event.message)
-        elif self._line is not None:
+        else:
+            self.show(progress_line(event))
+
+    def show(self, words: str) -> None:
+        """Put words into the progress line, where there is one."""
+        if self._line is not None:
             from rich.text import Text
 
-            self._line.update(Text(progress_line(event)))
+            self._line.update(Text(words))
 
 
 def progress_line(event: Progress) -> str:

@@ -12,10 +12,11 @@ import os
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache
+from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, Self, TextIO
 
 from punchform import __version__
 from punchform.case import Case, number, varied, written
@@ -119,9 +120,9 @@ def told(error: BaseException) -> str:
     return f"{type(error).__name__}: {words}" if words else type(error).__name__
 
 
-def task(case: Case, changes: Mapping[str, object]) -> Task:
-    """The design as a worker takes it."""
-    return Task(case.model_dump_json(exclude_unset=True, by_alias=True), dict(changes))
+def sent(case: Case) -> str:
+    """The case as a task carries it: what its file left out is left out, and follows what is changed."""
+    return case.model_dump_json(exclude_unset=True, by_alias=True)
 
 
 def work(given: Task) -> Evaluation:
@@ -155,17 +156,21 @@ class Record:
     """
 
     def __init__(self, path: Path | None = None) -> None:
-        """Open the record, or begin one. Raises InputError for a file that is something else, OSError."""
+        """Open the record, or begin one. Raises InputError for a file that is something else or that another program
+        is writing, OSError."""
         self.path = path
         self._known: dict[str, Evaluation] = {}
-        self._file = None
-        if path is None:
+        self._file = None if path is None else path.open("a", encoding="utf-8", newline="\n")
+        if path is None or self._file is None:
             return
-        whole = _mended(path) if path.exists() else ""
-        for count, line in enumerate(whole.splitlines(), start=1):
-            evaluation = _read(line, f"{path}:{count}")
-            self._known[evaluation.key] = evaluation
-        self._file = path.open("a", encoding="utf-8", newline="\n")
+        try:
+            _claim(self._file, path)
+            for count, line in enumerate(_mended(path).splitlines(), start=1):
+                evaluation = _read(line, f"{path}:{count}")
+                self._known[evaluation.key] = evaluation
+        except BaseException:
+            self._file.close()
+            raise
 
     def __enter__(self) -> Self:
         return self
@@ -210,6 +215,23 @@ class Record:
         """Close the file; what was added stays readable."""
         if self._file is not None:
             self._file.close()
+
+
+def _claim(file: TextIO, path: Path) -> None:
+    """Keep other programs from writing the file for as long as it is open here."""
+    if find_spec("fcntl") is None:
+        return
+    import fcntl
+
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise InputError.of(
+            "another punchform is writing here", where=str(path), hint="wait for it to end, or name another folder"
+        ) from None
+    except OSError:
+        # Some network file systems have no locks; the record works without.
+        return
 
 
 def _mended(path: Path) -> str:
