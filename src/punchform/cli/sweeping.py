@@ -88,9 +88,7 @@ def evaluated(
                         table.add(evaluation)
                     remaining.tell(len(done), failed=evaluation.failed, known=evaluation.key in known)
             except KeyboardInterrupt:
-                say(
-                    f"interrupted: {len(record)} of {len(designs)} designs are kept; the same command goes on from there"
-                )
+                say(f"note: {len(record)} of {len(designs)} designs are kept; the same command goes on from there")
                 raise
         everything = tuple(done[key] for key in keys)
         table.ordered(everything)

@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any, ParamSpec, TypeVar
 
 from punchform.errors import InputError
@@ -95,14 +97,11 @@ class OneCore:
 @contextmanager
 def cluster(address: str) -> Iterator[Workers]:
     """The workers of a Dask cluster. Raises InputError when Dask is not installed or the scheduler does not answer."""
+    if find_spec("distributed") is None:
+        raise InputError.of("Dask is not installed, which --scheduler needs", hint="pip install 'punchform[cluster]'")
+    distributed: Any = import_module("distributed")
     try:
-        from distributed import Client
-    except ImportError:
-        raise InputError.of(
-            "Dask is not installed, which --scheduler needs", hint="pip install 'punchform[cluster]'"
-        ) from None
-    try:
-        client = Client(address, timeout=PATIENCE)
+        client = distributed.Client(address, timeout=PATIENCE)
     except (OSError, ValueError, TimeoutError) as error:
         raise InputError.of(
             f"no Dask scheduler answers: {error}",
@@ -110,12 +109,6 @@ def cluster(address: str) -> Iterator[Workers]:
             hint="start one with `dask scheduler`, and give the address that it prints, such as tcp://host:8786",
         ) from None
     with client:
-        client.register_plugin(_plugin())
+        client.register_plugin(type("OneCore", (OneCore, distributed.WorkerPlugin), {})())
         threads = sum(client.nthreads().values())
         yield given(client.get_executor(pure=False), max(AT_ONCE, 3 * threads))
-
-
-def _plugin() -> Any:
-    from distributed import WorkerPlugin
-
-    return type("OneCore", (OneCore, WorkerPlugin), {})()
