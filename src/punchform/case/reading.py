@@ -20,9 +20,11 @@ from punchform.case.places import dotted, key_lines, line_of, repeated, undotted
 from punchform.case.press import PressCase, SolverCase
 from punchform.case.punch import PunchCase
 from punchform.case.release import ReleaseCase
+from punchform.case.scatter import ScatterCase
+from punchform.case.scattering import scatter_findings
 from punchform.case.stages import StagesCase
 from punchform.case.target import TargetCase
-from punchform.case.whole import NO_PUNCH, NO_PUNCH_HINT, SCHEMA, SECTIONS, STAGED, Case
+from punchform.case.whole import CHECKED, NO_PUNCH, NO_PUNCH_HINT, SCHEMA, SECTIONS, STAGED, Case
 from punchform.case.wire import WireCase
 from punchform.case.wording import UNKNOWN, explain, meant
 from punchform.errors import InputError, Problem
@@ -40,6 +42,7 @@ _MODELS: dict[str, type[BaseModel]] = {
     "release": ReleaseCase,
     "load": LoadCase,
     "target": TargetCase,
+    "scatter": ScatterCase,
 }
 _Found = tuple[KeyPath, str, str]
 _NEEDED = ("grid", "wire")
@@ -132,12 +135,17 @@ def parse(source: CaseText) -> Case:
         known = sections | {"stages": None, "load": sections["load"] if "stages" not in document else None}
     else:
         known = sections
-    problems += [(found.key, found.message, found.hint) for found in findings(**known)]
+    checked = {name: known[name] for name in ("stages", *CHECKED)}
+    problems += [(found.key, found.message, found.hint) for found in findings(**checked)]
     if problems:
         raise _all(problems, source)
     given = {name: section for name, section in sections.items() if section is not None}
     title = {"title": document["title"]} if "title" in document else {}
-    return Case(**title, **given)
+    case = Case(**title, **given)
+    problems += [(found.key, found.message, found.hint) for found in scatter_findings(case)]
+    if problems:
+        raise _all(problems, source)
+    return case
 
 
 def _stages(document: Mapping[str, Any], source: CaseText, problems: list[_Found]) -> Any:

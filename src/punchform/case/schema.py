@@ -20,7 +20,7 @@ def json_schema() -> dict[str, Any]:
     schema["oneOf"] = [{"required": ["punch"]}, ends]
     parts["PressCase"]["properties"]["ends"]["anyOf"].insert(0, {"type": "string"})
     for part in parts.values():
-        choice = [key for key in ("kind", "shape") if "const" in part["properties"].get(key, {})]
+        choice = [key for key in ("kind", "shape") if "const" in part.get("properties", {}).get(key, {})]
         part["required"] = [*choice, *part.get("required", [])]
     for name in ("PointsLine", "TableProfile", "TableHardening", "TensileHardening", "FieldPoints", "RadialPoints"):
         parts[name]["required"].remove("points")
@@ -29,6 +29,8 @@ def json_schema() -> dict[str, Any]:
     _one_or_two(parts["GridCase"]["properties"]["step"])
     _number_or_text(parts["PolynomialProfile"]["properties"]["coefficients"])
     _material_or_matrix(parts["WireCase"])
+    spread = parts["ScatterCase"]["additionalProperties"]
+    parts["ScatterCase"]["additionalProperties"] = {"anyOf": [{"type": ["number", "string"]}, spread]}
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 
 

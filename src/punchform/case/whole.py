@@ -13,6 +13,7 @@ from punchform.case.parts import Part
 from punchform.case.press import PressCase, SolverCase
 from punchform.case.punch import PunchCase
 from punchform.case.release import ReleaseCase
+from punchform.case.scatter import ScatterCase
 from punchform.case.stages import Stage, Stages, Step, followed, steps
 from punchform.case.target import TargetCase
 from punchform.case.wire import WireCase
@@ -40,6 +41,7 @@ class Case(Part):
     release: ReleaseCase | None = Field(default=None, description="what stays held after the press")
     load: LoadCase | None = Field(default=None, description="what acts on the grid after its release")
     target: TargetCase | None = Field(default=None, description="the wanted shape")
+    scatter: ScatterCase | None = Field(default=None, description="what varies from piece to piece")
     stages: Stages | None = Field(
         default=None,
         description="what is done, one after the other: press, release, trim, load, or tables with settings of their "
@@ -53,7 +55,7 @@ class Case(Part):
 
     @model_validator(mode="after")
     def _belongs_together(self) -> Self:
-        found = tuple(findings(**{name: getattr(self, name) for name in ("stages", *SECTIONS)}))
+        found = tuple(findings(**{name: getattr(self, name) for name in ("stages", *CHECKED)}))
         if found:
             raise InputError(Problem(one.message, ".".join(map(str, one.key)), one.hint) for one in found)
         if self.punch is None and self.press.ends is None:
@@ -91,7 +93,9 @@ class Case(Part):
 NO_PUNCH = "this section is missing"
 NO_PUNCH_HINT = "add a table [punch], or say in press.ends where the wire ends go; `punchform new FILE` shows both"
 
-SECTIONS: tuple[str, ...] = ("grid", "wire", "punch", "press", "solver", "release", "load", "target")
+CHECKED: tuple[str, ...] = ("grid", "wire", "punch", "press", "solver", "release", "load", "target")
+"""The tables of a case file that are checked against each other."""
+SECTIONS: tuple[str, ...] = (*CHECKED, "scatter")
 """The tables of a case file in the order in which they are written."""
 STAGED = ("press", "release", "load")
 """The sections that a stage may follow."""

@@ -25,9 +25,14 @@ def write_case(case: Case) -> str:
         if name in content:
             if name == "wire" and "stiffness" in content[name]:
                 content[name] = {key: value for key, value in content[name].items() if key not in MATERIAL}
-            lines = [f"[{name}]"] + [f"{key} = {_entry(value)}" for key, value in content[name].items()]
+            lines = [f"[{name}]"] + [f"{_key(key)} = {_entry(value)}" for key, value in content[name].items()]
             parts.append("\n".join(lines))
     return "\n\n".join(parts) + "\n"
+
+
+def _key(key: str) -> str:
+    """A key as TOML wants it: in quotes where it is a place with dots."""
+    return key if key.isidentifier() else _value(key)
 
 
 def _entry(value: Any) -> str:

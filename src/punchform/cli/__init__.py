@@ -147,6 +147,19 @@ def _run(arguments: argparse.Namespace) -> Exit:
                 overwrite=arguments.overwrite,
                 as_json=arguments.json,
             )
+        case "tolerances":
+            from punchform.cli.tolerances import tolerances_of
+
+            return tolerances_of(
+                arguments.case,
+                arguments.output,
+                samples=arguments.samples,
+                seed=arguments.seed,
+                means=_means(arguments),
+                format=arguments.format,
+                overwrite=arguments.overwrite,
+                as_json=arguments.json,
+            )
         case "element":
             from punchform.cli.element import element
 

@@ -54,6 +54,8 @@ def parser() -> argparse.ArgumentParser:
     _add_punch(commands.add_parser("punch", help="the punch as files for the workshop: tables, drawing, solid"))
     _add_sweep(commands.add_parser("sweep", help="evaluate many designs of a case, into one table"))
 
+    _add_tolerances(commands.add_parser("tolerances", help="what the scatter of wire, grid and tool does to accuracy"))
+
     element = commands.add_parser("element", help="the stiffness of one wire between two crossings")
     element.add_argument("case", metavar="CASE", help=CASE_HELP)
     element.add_argument(
@@ -172,9 +174,14 @@ def _add_sweep(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--samples", metavar="N", type=int, help="instead of all combinations so many designs of a Latin hypercube"
     )
-    command.add_argument("--seed", metavar="S", type=int, default=1, help="of the samples; 1 when absent")
+    _add_many(command)
+
+
+def _add_tolerances(command: argparse.ArgumentParser) -> None:
+    """The arguments of `tolerances`."""
+    command.add_argument("case", metavar="CASE", help=CASE_HELP + "; its [scatter] says what varies")
     command.add_argument(
-        "--format", choices=("csv", "parquet"), default="csv", help="parquet: table.parquet beside table.csv"
+        "--samples", metavar="N", type=int, default=200, help="how many samples; more go on from fewer; 200 when absent"
     )
     _add_many(command)
 
@@ -187,6 +194,10 @@ def _add_many(command: argparse.ArgumentParser) -> None:
         metavar="DIR",
         required=True,
         help="folder for the results; one that was begun is gone on with",
+    )
+    command.add_argument("--seed", metavar="S", type=int, default=1, help="of the samples; 1 when absent")
+    command.add_argument(
+        "--format", choices=("csv", "parquet"), default="csv", help="parquet: table.parquet beside table.csv"
     )
     command.add_argument("--workers", metavar="N", type=int, help="processes on this machine; one for each core")
     command.add_argument(

@@ -49,7 +49,7 @@ def sweep_case(
         check_parquet()
     asked = request("sweep", case, tuple(over), samples=samples, seed=seed)
     folder = open_folder(output, asked, case, overwrite=overwrite)
-    done = evaluated(case, designs, folder, asked, means, parquet=format == "parquet")
+    done = evaluated(case, designs, folder, asked, means, places=tuple(designs[0]), parquet=format == "parquet")
     failed = [evaluation for evaluation in done if evaluation.failed]
     if failed and not means.quiet:
         say(f"note: {len(failed)} of {len(done)} designs failed, the first of them: {failed[0].failure}")

@@ -66,16 +66,22 @@ def check_designs(case: Case, designs: Sequence[Mapping[str, Any]]) -> None:
 
 
 def evaluated(
-    case: Case, designs: Sequence[Mapping[str, Any]], folder: Path, asked: Request, means: Means, *, parquet: bool
+    case: Case,
+    designs: Sequence[Mapping[str, Any]],
+    folder: Path,
+    asked: Request,
+    means: Means,
+    *,
+    places: Sequence[str],
+    parquet: bool,
 ) -> tuple[Evaluation, ...]:
     """Every distinct design, in order, with its table in the folder; what its record holds already is not computed
-    again. Ctrl-C leaves a folder from which the same command goes on."""
+    again; places: the settings that have columns. Ctrl-C leaves a folder from which the same command goes on."""
     from punchform.optimise.evaluations import Record
     from punchform.optimise.sweep import sweep
     from punchform.optimise.sweep_folder import RECORD, write_state
     from punchform.optimise.tabulating import PARQUET, TABLE, GrowingTable
 
-    places = tuple(designs[0])
     keys: list[str] = []
     done: dict[str, Evaluation] = {}
     with Record(folder / RECORD) as record, GrowingTable(folder / TABLE, case, places, record) as table:

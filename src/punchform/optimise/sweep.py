@@ -5,7 +5,7 @@ The parent alone writes: workers get texts and numbers, and give an evaluation b
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Generator, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import dataclass
 from itertools import islice
@@ -27,7 +27,7 @@ def sweep(
     executor: Executor | Workers | None = None,
     record: Record | None = None,
     keys: list[str] | None = None,
-) -> Iterator[Evaluation]:
+) -> Generator[Evaluation, None, None]:
     """Evaluate designs (changes of the case), each distinct one once, and yield them as they come.
 
     executor: anything of `concurrent.futures`, None for new processes on all cores of this machine (a script that

@@ -18,6 +18,8 @@ from punchform.errors import InputError
 from punchform.optimise.tabulating import PARQUET, TABLE
 from punchform.store import CASE, RESULT, check_growing_folder, replace_file
 
+TOLERANCES = "tolerances"
+"""The command whose samples may grow in number."""
 SWEEP, RECORD, REPORT = "sweep.json", "record.jsonl", "report.html"
 OWN = (SWEEP, RECORD, TABLE, PARQUET, CASE, RESULT, REPORT)
 """The files of a sweep: what --overwrite removes."""
@@ -81,6 +83,9 @@ def _agree(path: Path, asked: Request, where: str) -> None:
             f"{SWEEP} or {CASE} of an earlier sweep is damaged", where=where, hint="give --overwrite to begin anew"
         ) from None
     now = json.loads(json.dumps(_without_case(asked)))
+    if asked.command == TOLERANCES and isinstance(earlier, dict):
+        # The first draws of a seed are the same however many follow: more samples go on from fewer.
+        now, earlier = now | {"samples": None}, earlier | {"samples": None}
     what = "another case" if case != asked.case else "other settings" if now != earlier else ""
     if what:
         raise InputError.of(

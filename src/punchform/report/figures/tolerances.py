@@ -1,0 +1,66 @@
+"""How accuracy scatters: the samples against the tolerance, and what makes them scatter."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from punchform.optimise.tolerances import Tolerances
+from punchform.report.figures.style import ACCENT, HALF, INK, PALE, PUNCH, SOFT, TEXT, dress, new_figure
+
+FEWEST_BINS, MOST_BINS = 8, 40
+MOST_BARS = 12
+
+
+def draw_histogram(found: Tolerances) -> Figure:
+    """How many samples have which rms; beyond the tolerance in another colour, the nominal case as a dashed line."""
+    figure = new_figure(HALF[0], 3.7)
+    axes = figure.add_axes((0.115, 0.135, 0.865, 0.775))
+    bins = int(np.clip(np.sqrt(len(found.values)), FEWEST_BINS, MOST_BINS))
+    edges = np.histogram_bin_edges(found.values, bins)
+    low, high = edges[0], edges[-1]
+    shown = low - 0.5 * (high - low) < found.tolerance < high + 0.5 * (high - low)
+    if shown and low < found.tolerance < high:
+        edges = np.unique(np.append(edges, found.tolerance))
+    counts, _ = np.histogram(found.values, edges)
+    out = edges[:-1] >= found.tolerance * (1 - 1e-12)
+    heights = counts / np.diff(edges) * (high - low) / bins
+    for mine, ink in ((~out, ACCENT), (out, PUNCH)):
+        axes.bar(edges[:-1][mine], heights[mine], np.diff(edges)[mine], align="edge", color=ink, edgecolor="white",
+                 linewidth=0.5)  # fmt: skip
+    if shown:
+        axes.axvline(found.tolerance, color=INK, linewidth=1.4, label=f"tolerance {found.tolerance:.4g} mm")
+    if found.nominal is not None:
+        axes.axvline(found.nominal, color=SOFT, linewidth=1.2, linestyle="--", label=f"nominal {found.nominal:.4g} mm")
+    axes.set_ylim(0, 1.28 * heights.max())
+    dress(axes, x="rms deviation [mm]", y="samples")
+    axes.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=6))
+    axes.grid(axis="y", color=PALE, linewidth=0.5)
+    axes.set_axisbelow(True)
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(loc="upper right", fontsize=TEXT - 1, frameon=False, labelcolor=INK)
+    words = f"mean {found.mean:.4g} mm, standard deviation {found.deviation:.3g} mm"
+    dress(axes, x="rms deviation [mm]", y="samples", title=words)
+    return figure
+
+
+def draw_influences(found: Tolerances) -> Figure:
+    """The share of each number in the variance of the rms, the largest on top, with the sign of its effect."""
+    shown = found.influences[:MOST_BARS][::-1]
+    figure = new_figure(HALF[0], 0.95 + 0.36 * len(shown))
+    bottom = 0.5 / figure.get_figheight()
+    axes = figure.add_axes((0.42, bottom, 0.54, 1 - bottom - 0.32 / figure.get_figheight()))
+    shares = np.array([100 * one.share for one in shown])
+    inks = [PUNCH if one.slope > 0 else ACCENT for one in shown]
+    axes.barh(np.arange(len(shown)), shares, height=0.62, color=inks)
+    for row, one in enumerate(shown):
+        axes.text(shares[row] + 1.5, row, f"{one.slope:+.2f}", va="center", fontsize=TEXT - 1, color=INK)
+    axes.set_yticks(np.arange(len(shown)), [one.place for one in shown])
+    axes.set_xlim(0, max(1.18 * shares.max(), 10.0))
+    title = "" if found.explained is None else f"{100 * found.explained:.0f} % of the variance told in a straight line"
+    dress(axes, x="share of the variance of the rms [%]", title=title)
+    axes.title.set_position((-0.72, 1.0))
+    axes.grid(axis="x", color=PALE, linewidth=0.5)
+    axes.set_axisbelow(True)
+    return figure
