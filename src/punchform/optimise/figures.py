@@ -109,6 +109,10 @@ def _sag(run: Run) -> float | None:
     return None if run.released is None else run.released.max_sag
 
 
+def _held(run: Run) -> float | None:
+    return None if run.released is None else run.released.hold.count
+
+
 def _compliance(run: Run) -> float | None:
     return None if run.loaded is None else run.loaded.compliance
 
@@ -127,6 +131,10 @@ _ALL = (
     Figure("rms_half_path_fitted", "mm", "rms half-path error, best fit", *_rms("half-path", fitted=True)),
     Figure("apex", "mm", "how far the middle rises when let go", _apex),
     Figure("max_sag", "mm", "largest move downwards when let go, with its sign", _sag),
+    Figure(
+        "clamped", "", "solved nodes that clamp or holder held in the press", lambda run: int(run.formed.held.sum())
+    ),
+    Figure("held", "", "solved nodes that are held after the release", _held),
     Figure("max_shear", "deg", "largest shear of a cell in the press", lambda run: math.degrees(run.formed.max_shear)),
     Figure("max_strain", "", "largest strain of a wire in the press", lambda run: run.formed.max_axial_strain),
     Figure("max_plastic_strain", "", "largest plastic strain in the press", lambda run: run.formed.max_plastic_strain),

@@ -13,14 +13,13 @@ from punchform.arrays import Floats
 from punchform.case import Case, CircleBlank, PolygonBlank, RectangleBlank, WiresBlank, written
 from punchform.case.scattering import Scattered, scattered
 from punchform.errors import InputError
-from punchform.grid import lay
-from punchform.optimise.evaluations import Evaluation, designed
-from punchform.press import AT_THE_RIM
+from punchform.optimise.evaluations import Evaluation
 
 PERCENTILES = (5, 25, 50, 75, 95)
 CONFIDENCE = 0.95
 FEWEST = 10
 """Samples of which nothing can be said when there are fewer."""
+HELD = ("clamped", "held")
 NUMBERS = re.compile(r"[0-9]+(?:\.[0-9]+)?")
 STEP, BLANK = "grid.step", "grid.blank"
 
@@ -47,8 +46,7 @@ class Tolerances:
     samples: of all; tolerance [mm]; within: samples that are; low and high: the interval of the yield, Eq. (13.55);
     influences: the numbers that matter most first, empty where too few samples or no scatter of the rms tell it;
     explained: share of the variance that is linear in the numbers; failures: messages with how many samples have one
-    like them; held_otherwise: samples of which the grid has, or the clamp holds, other crossings than in the nominal
-    case.
+    like them; held_otherwise: samples that hold other crossings than the nominal case.
     """
 
     nominal: float | None
@@ -139,7 +137,7 @@ def tolerances(case: Case, nominal: Evaluation, evaluations: Sequence[Evaluation
         influences,
         explained,
         failures,
-        _held_otherwise(case, evaluations),
+        _held_otherwise(nominal, evaluations),
     )
 
 
@@ -203,19 +201,9 @@ def _grown(case: Case, changes: Mapping[str, float]) -> dict[str, Any]:
     raise TypeError(f"unknown blank {case.grid.blank!r}")
 
 
-def _held_otherwise(case: Case, evaluations: Sequence[Evaluation]) -> int:
-    """How many samples have other crossings in the grid or in the clamp than the nominal case."""
-    if not any(place == STEP or place.startswith((BLANK, "punch.rim")) for place in places(case)):
+def _held_otherwise(nominal: Evaluation, evaluations: Sequence[Evaluation]) -> int:
+    """How many samples hold other crossings than the nominal case, in the press or after it."""
+    if nominal.failed:
         return 0
-    nominal = _census(case)
-    made = (designed(case, one.changes).case for one in evaluations if not one.failed)
-    return sum(_census(one) != nominal for one in made if one is not None)
-
-
-def _census(case: Case) -> tuple[int, int]:
-    """How many nodes the flat grid has, and how many of them a clamp holds."""
-    rim = case.tool.rim_radius
-    grid = lay(case.grid, rim_radius=rim)
-    if case.press.rim != "clamp":
-        return grid.nodes, 0
-    return grid.nodes, int((np.linalg.norm(grid.flat, axis=1) >= rim * (1 - AT_THE_RIM)).sum())
+    good = (one for one in evaluations if not one.failed)
+    return sum(any(one.figures[name] != nominal.figures[name] for name in HELD) for one in good)

@@ -72,9 +72,9 @@ def notes(found: Tolerances) -> tuple[str, ...]:
     told = [f"{count} of {found.samples} samples failed: {message}" for message, count in found.failures.items()]
     if found.held_otherwise:
         told.append(
-            f"in {found.held_otherwise} of {found.samples} samples the clamp holds other crossings than in the nominal "
-            "case, which makes the figures jump; crossings that lie on the rim, or nearly, do this: a `punch.rim_radius` "
-            "between two crossings avoids it"
+            f"{found.held_otherwise} of {found.samples} samples hold other crossings than the nominal case, so their "
+            "figures jump: a crossing lies on the rim or where `release.hold` begins, or nearly; a radius between two "
+            "crossings avoids it"
         )
     if found.explained is not None and found.explained < LINEAR:
         told.append(

@@ -34,12 +34,12 @@ def draw_histogram(found: Tolerances) -> Figure:
     if found.nominal is not None:
         axes.axvline(found.nominal, color=SOFT, linewidth=1.2, linestyle="--", label=f"nominal {found.nominal:.4g} mm")
     axes.set_ylim(0, 1.28 * heights.max())
-    dress(axes, x="rms deviation [mm]", y="samples")
     axes.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=6))
     axes.grid(axis="y", color=PALE, linewidth=0.5)
     axes.set_axisbelow(True)
     if axes.get_legend_handles_labels()[1]:
-        axes.legend(loc="upper right", fontsize=TEXT - 1, frameon=False, labelcolor=INK)
+        legend = axes.legend(loc="best", fontsize=TEXT - 1, labelcolor=INK, framealpha=1.0, edgecolor="white")
+        legend.set_zorder(5)
     words = f"mean {found.mean:.4g} mm, standard deviation {found.deviation:.3g} mm"
     dress(axes, x="rms deviation [mm]", y="samples", title=words)
     return figure
@@ -53,14 +53,22 @@ def draw_influences(found: Tolerances) -> Figure:
     axes = figure.add_axes((0.42, bottom, 0.54, 1 - bottom - 0.32 / figure.get_figheight()))
     shares = np.array([100 * one.share for one in shown])
     inks = [PUNCH if one.slope > 0 else ACCENT for one in shown]
+    reach = max(1.15 * shares.max(), 10.0)
     axes.barh(np.arange(len(shown)), shares, height=0.62, color=inks)
     for row, one in enumerate(shown):
-        axes.text(shares[row] + 1.5, row, f"{one.slope:+.2f}", va="center", fontsize=TEXT - 1, color=INK)
+        axes.text(
+            shares[row] + 0.015 * reach,
+            row,
+            f"{one.slope:+.2f}".replace("-", "−"),
+            va="center",
+            fontsize=TEXT - 1,
+            color=INK,
+        )
     axes.set_yticks(np.arange(len(shown)), [one.place for one in shown])
-    axes.set_xlim(0, max(1.18 * shares.max(), 10.0))
-    title = "" if found.explained is None else f"{100 * found.explained:.0f} % of the variance told in a straight line"
+    axes.set_xlim(0, reach)
+    told = 0.0 if found.explained is None else found.explained
+    title = f"{100 * told:.0f} % of the variance of the rms is linear in them"
     dress(axes, x="share of the variance of the rms [%]", title=title)
-    axes.title.set_position((-0.72, 1.0))
     axes.grid(axis="x", color=PALE, linewidth=0.5)
     axes.set_axisbelow(True)
     return figure
