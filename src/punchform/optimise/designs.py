@@ -12,6 +12,7 @@ import numpy as np
 
 from punchform.case import Case, number, setting, unit, varied
 from punchform.errors import InputError
+from punchform.optimise.evaluations import internal
 from punchform.units import UnitError, dimension_of, quantity
 
 EXAMPLE = "write PLACE=VALUES, as in 'wire.diameter=0.5 mm,0.6 mm' or 'grid.step=5 mm:10 mm:6'"
@@ -123,12 +124,14 @@ def _value(case: Case, place: str, text: str, current: Any) -> Any:
         return text == "true"
     if isinstance(current, int) or unit(case, place) or isinstance(current, float):
         return _number(case, place, text, current)
-    # A word, or a setting that the case leaves out: it must be possible alone, or the sweep is in vain.
-    made = varied(case, {place: text})
-    try:
-        return number(made, place)
-    except InputError:
-        return text
+    return _possible(case, place, text)
+
+
+def _possible(case: Case, place: str, text: str) -> Any:
+    """The value of a word, or of a setting that the case leaves out: it must be possible alone."""
+    made = varied(case, {place: int(text) if text.lstrip("+-").isdecimal() else text})
+    found = internal(made, place)
+    return found if isinstance(found, int | float) else text
 
 
 def _number(case: Case, place: str, text: str, current: Any) -> float | int:
@@ -138,7 +141,10 @@ def _number(case: Case, place: str, text: str, current: Any) -> float | int:
         except ValueError:
             raise InputError.of(f"expected a whole number, not {text!r}", where=place) from None
     if current is None:
-        return number(varied(case, {place: text}), place)
+        found = _possible(case, place, text)
+        if not isinstance(found, int | float):
+            raise InputError.of("is not a number that could vary", where=place)
+        return found
     number(case, place)
     try:
         return quantity(text, dimension_of(unit(case, place)))

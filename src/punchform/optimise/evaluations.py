@@ -19,7 +19,7 @@ from types import TracebackType
 from typing import Any, Self, TextIO
 
 from punchform import __version__
-from punchform.case import Case, number, varied, written
+from punchform.case import Case, number, setting, varied, written
 from punchform.errors import InputError, NoEquilibrium
 from punchform.optimise.figures import FIGURES, figures
 from punchform.run import run
@@ -103,6 +103,9 @@ def designed(case: Case, changes: Mapping[str, object]) -> Design:
 
 def internal(case: Case, place: str) -> Any:
     """What stands at a place: a number in internal units where there is one, else what the file says."""
+    value = setting(case, place)
+    if isinstance(value, int):
+        return value
     try:
         return number(case, place)
     except InputError:

@@ -44,9 +44,10 @@ class Tolerances:
 
     nominal: rms of the case itself, None when it fails; values (n,): rms of the samples that did not fail [mm];
     samples: of all; tolerance [mm]; within: samples that are; low and high: the interval of the yield, Eq. (13.55);
-    influences: the numbers that matter most first, empty where too few samples or no scatter of the rms tell it;
-    explained: share of the variance that is linear in the numbers; failures: messages with how many samples have one
-    like them; held_otherwise: samples that hold other crossings than the nominal case.
+    influences: the numbers that matter most first, by the samples that hold the same crossings as the nominal case;
+    empty where too few samples or no scatter of the rms tell it; explained: share of the variance that is linear in
+    the numbers; failures: messages with how many samples have one like them; held_otherwise: samples that hold other
+    crossings than the nominal case.
     """
 
     nominal: float | None
@@ -123,10 +124,12 @@ def tolerances(case: Case, nominal: Evaluation, evaluations: Sequence[Evaluation
             + (f". Most failed like this: {most}" if most else ""),
             where="--samples",
         )
-    values = np.array([one.figures["rms"] for one in good], dtype=np.float64)
+    values = _rms(good)
     within = int((values <= case.target.tolerance).sum())
-    inputs = np.array([[one.changes[number.place] for number in numbers] for one in good], dtype=np.float64)
-    influences, explained = influence(numbers, inputs, values)
+    # Where other crossings are held the rms jumps, which no slope tells.
+    smooth = [one for one in good if not _holds_otherwise(one, nominal)]
+    inputs = np.array([[one.changes[number.place] for number in numbers] for one in smooth], dtype=np.float64)
+    influences, explained = influence(numbers, inputs, _rms(smooth))
     return Tolerances(
         nominal.figures.get("rms"),
         values,
@@ -137,7 +140,7 @@ def tolerances(case: Case, nominal: Evaluation, evaluations: Sequence[Evaluation
         influences,
         explained,
         failures,
-        _held_otherwise(nominal, evaluations),
+        len(good) - len(smooth),
     )
 
 
@@ -201,9 +204,10 @@ def _grown(case: Case, changes: Mapping[str, float]) -> dict[str, Any]:
     raise TypeError(f"unknown blank {case.grid.blank!r}")
 
 
-def _held_otherwise(nominal: Evaluation, evaluations: Sequence[Evaluation]) -> int:
-    """How many samples hold other crossings than the nominal case, in the press or after it."""
-    if nominal.failed:
-        return 0
-    good = (one for one in evaluations if not one.failed)
-    return sum(any(one.figures[name] != nominal.figures[name] for name in HELD) for one in good)
+def _rms(evaluations: Sequence[Evaluation]) -> Floats:
+    return np.array([one.figures["rms"] for one in evaluations], dtype=np.float64)
+
+
+def _holds_otherwise(one: Evaluation, nominal: Evaluation) -> bool:
+    """Whether other crossings are held than in the nominal case, in the press or after it."""
+    return not nominal.failed and any(one.figures[name] != nominal.figures[name] for name in HELD)

@@ -67,7 +67,7 @@ def draw_influences(found: Tolerances) -> Figure:
     axes.set_yticks(np.arange(len(shown)), [one.place for one in shown])
     axes.set_xlim(0, reach)
     told = 0.0 if found.explained is None else found.explained
-    title = f"{100 * told:.0f} % of the variance of the rms is linear in them"
+    title = f"{100 * told:.0f} % of the variance is linear"
     dress(axes, x="share of the variance of the rms [%]", title=title)
     axes.grid(axis="x", color=PALE, linewidth=0.5)
     axes.set_axisbelow(True)
