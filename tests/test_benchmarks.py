@@ -22,6 +22,7 @@ PAGES = {
     "stretch_scaling.py": ("performance.md", ("stretch",)),
     "against_others.py": ("performance.md", ("others", "rods")),
     "descent_against_newton.py": ("paper.md", ("descent",)),
+    "sweep_scaling.py": ("sweeps.md", ("sweep",)),
     "linear_solvers.py": ("decisions/linear-solver.md", ("solvers",)),
     "stretch_forming.py": ("stretch_forming.md", ("forming", "flow", "lengths", "strokes", "sections")),
 }
@@ -30,6 +31,7 @@ TINY = {
     "press_scaling.py": ("--only", "dish, D = 150 mm, f/D = 0.42"),
     "stretch_scaling.py": ("--tiny", "--strokes", "3"),
     "against_others.py": ("--tiny", "--seconds", "0.5"),
+    "sweep_scaling.py": ("--cases", "6"),
 }
 
 
