@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections.abc import Iterator, Mapping
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from functools import cache
@@ -145,6 +146,28 @@ def test_no_more_designs_are_under_way_than_the_workers_can_take(monkeypatch: py
             next(going)
         assert made <= 10 + 4
         going.close()
+
+
+def test_the_first_design_alone_compiles_the_kernels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two processes that compile the same at the same time would do it twice: the second design waits."""
+    under_way, most_at_first, done = [0], [0], [0]
+
+    def counted(task: Task) -> Evaluation:
+        under_way[0] += 1
+        if not done[0]:
+            most_at_first[0] = max(most_at_first[0], under_way[0])
+            time.sleep(0.1)
+        under_way[0] -= 1
+        done[0] += 1
+        return faked(task)
+
+    monkeypatch.setattr(sweep_module, "work", counted)
+    for compiled, most in ((False, 1), (True, 2)):
+        monkeypatch.setattr(sweep_module, "kernels_are_compiled", lambda compiled=compiled, **_: compiled)
+        most_at_first[0] = done[0] = 0
+        workers = Workers(ThreadPoolExecutor, 2, 4, again=True)
+        assert len(list(sweep(CASE, DESIGNS, executor=workers))) == len(DESIGNS)
+        assert most_at_first[0] == most
 
 
 def test_a_worker_of_another_version_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

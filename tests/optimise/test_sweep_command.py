@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import tiny_dish
 
+from punchform.case.scattering import scattered
 from punchform.cli import main
 from punchform.errors import InputError
 from punchform.optimise import sweep as sweep_module
+from punchform.optimise.designs import variation
 from punchform.optimise.evaluations import Evaluation, Record, Task, designed
 from punchform.optimise.figures import FIGURES
 
@@ -168,6 +171,17 @@ def test_two_programs_do_not_write_one_record(tmp_path: Path) -> None:
     with Record(path), pytest.raises(InputError, match="another punchform is writing here"):
         Record(path)
     Record(path).close()
+
+
+def test_the_page_of_sweeps_says_what_can_be_asked() -> None:
+    """Every --over of the page is understood, and its [scatter] belongs to the dish of these tests."""
+    page = (Path(__file__).resolve().parents[2] / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    texts = re.findall(r'"([a-z_.]+=[^"]+)"', page)
+    assert len(texts) >= 7
+    for text in texts:
+        assert variation(CASE, text).place == text.partition("=")[0]
+    (scatter,) = re.findall(r"^```toml\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    assert len(scattered(tiny_dish.case(scatter))) == scatter.count("=") - 1
 
 
 def test_samples_fill_the_ranges(tmp_path: Path, command: Callable[..., int]) -> None:

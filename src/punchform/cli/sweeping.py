@@ -44,6 +44,8 @@ def workers_of(means: Means) -> Iterator[Workers]:
         if means.workers is not None:
             raise InputError.of("--workers and --scheduler exclude each other", hint="the cluster has its own workers")
         with cluster(means.scheduler) as workers:
+            if not workers.count:
+                say("note: the cluster has no workers yet; the designs wait for the first")
             yield workers
     elif means.workers == 1:
         yield given(InOrder(), at_once=1)

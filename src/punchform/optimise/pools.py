@@ -96,7 +96,10 @@ class OneCore:
 
 @contextmanager
 def cluster(address: str) -> Iterator[Workers]:
-    """The workers of a Dask cluster. Raises InputError when Dask is not installed or the scheduler does not answer."""
+    """The workers of a Dask cluster, of which there may be none yet.
+
+    Raises InputError when Dask is not installed or the scheduler does not answer.
+    """
     if find_spec("distributed") is None:
         raise InputError.of("Dask is not installed, which --scheduler needs", hint="pip install 'punchform[cluster]'")
     distributed: Any = import_module("distributed")
@@ -111,4 +114,5 @@ def cluster(address: str) -> Iterator[Workers]:
     with client:
         client.register_plugin(type("OneCore", (OneCore, distributed.WorkerPlugin), {})())
         threads = sum(client.nthreads().values())
-        yield given(client.get_executor(pure=False), max(AT_ONCE, 3 * threads))
+        executor = client.get_executor(pure=False)
+        yield Workers(lambda _: executor, threads, max(AT_ONCE, 3 * threads))
