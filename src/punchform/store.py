@@ -87,8 +87,9 @@ def check_growing_folder(folder: str | Path, mark: str) -> tuple[Path, bool]:
     path = Path(os.path.expanduser(folder)).resolve()
     if (path / mark).is_file():
         return path, True
-    path = check_folder(folder)
-    return path, False
+    if path.is_dir() and _kind(path) == "run":
+        raise InputError.of("the folder holds a single run", where=str(folder), hint="name another folder")
+    return check_folder(folder), False
 
 
 def replace_file(path: Path, text: str) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 import tiny_dish
+from stretched import KEPT, dish
 
 from punchform.case import Case, packaged_cases, read_case, setting, varied
 from punchform.errors import InputError, NoEquilibrium
@@ -45,11 +46,15 @@ def test_a_worker_gets_the_same_case(name: str) -> None:
         assert designed(there, changes) == designed(case, changes)
 
 
-def test_a_worker_on_one_core_finds_the_same_figures() -> None:
+@pytest.mark.parametrize("yields", [False, True])
+def test_a_worker_on_one_core_finds_the_same_figures(yields: bool) -> None:
+    """Also where the answers of wires that yield are found in two threads."""
+    case = dish(hold=KEPT).case if yields else CASE
     changes = {"wire.diameter": 0.8}
-    here, there = evaluate(CASE, changes), work(Task(sent(CASE), changes))
+    here, there = evaluate(case, changes), work(Task(sent(case), changes))
     assert here.failure is None
     assert set(here.figures) == set(FIGURES)
+    assert ((here.figures["max_plastic_strain"] or 0.0) > 0.01) == yields
     assert (there.key, there.changes, there.figures) == (here.key, here.changes, here.figures)
 
 

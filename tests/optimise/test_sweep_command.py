@@ -133,6 +133,10 @@ def test_a_folder_of_something_else_is_left_alone(
         assert command(*OVER, *more) == 2
         assert "not a punchform run" in capsys.readouterr().err
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["letter.txt"]
+    (tmp_path / "out" / "result.json").write_text('{"schema": 1, "version": "0"}', encoding="utf-8")
+    for more in ([], ["--overwrite"]):
+        assert command(*OVER, *more) == 2
+        assert "the folder holds a single run" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
