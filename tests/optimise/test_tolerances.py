@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import tiny_dish
+from matplotlib.patches import Rectangle
 
 from punchform.case import Case, case_from_text, varied, write_case
 from punchform.case.scattering import Scattered, scattered
@@ -16,7 +18,8 @@ from punchform.errors import InputError
 from punchform.grid import lay
 from punchform.optimise import sweep as sweep_module
 from punchform.optimise.evaluations import Evaluation, Task, designed
-from punchform.optimise.tolerances import draws, influence, tolerances, wilson
+from punchform.optimise.tolerances import Tolerances, draws, influence, tolerances, wilson
+from punchform.report.figures.tolerances import draw_histogram
 
 SCATTER = """
 [scatter]
@@ -181,6 +184,19 @@ def test_bad_arguments_are_told(
     path.write_text(tiny_dish.TEXT + SCATTER, encoding="utf-8")
     assert main(["tolerances", str(path), "-o", str(tmp_path / "out"), *more]) == 2
     assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("tolerance", [0.2, 0.5, 0.8])
+def test_the_bars_of_the_histogram_are_the_samples(tolerance: float) -> None:
+    """Every sample is in a bar, and those beyond the tolerance in bars of the other colour."""
+    values = np.random.default_rng(3).normal(0.5, 0.1, 150)
+    found = Tolerances(0.5, values, 150, tolerance, int((values <= tolerance).sum()), 0.0, 1.0, (), None, {}, 0)
+    bars: dict[Any, float] = {}
+    for bar in draw_histogram(found).axes[0].patches:
+        assert isinstance(bar, Rectangle)
+        bars[bar.get_facecolor()] = bars.get(bar.get_facecolor(), 0.0) + bar.get_height()
+    wanted = (found.within, 150 - found.within)
+    assert sorted(count for count in bars.values() if count) == sorted(count for count in wanted if count)
 
 
 def test_all_samples_failing_is_told() -> None:

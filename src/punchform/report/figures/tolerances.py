@@ -18,14 +18,14 @@ def draw_histogram(found: Tolerances) -> Figure:
     figure = new_figure(HALF[0], 3.7)
     axes = figure.add_axes((0.115, 0.135, 0.865, 0.775))
     bins = int(np.clip(np.sqrt(len(found.values)), FEWEST_BINS, MOST_BINS))
-    edges = np.histogram_bin_edges(found.values, bins)
-    low, high = edges[0], edges[-1]
+    low, high = float(found.values.min()), float(found.values.max())
+    width = (high - low) / bins or 0.01 * high
+    # The tolerance is an edge, so that every bar is on one side of it.
+    first = int(np.floor((low - found.tolerance) / width))
+    edges = found.tolerance + width * np.arange(first, first + bins + 2)
+    heights, _ = np.histogram(found.values, edges)
+    out = edges[:-1] >= found.tolerance - 0.5 * width
     shown = low - 0.5 * (high - low) < found.tolerance < high + 0.5 * (high - low)
-    if shown and low < found.tolerance < high:
-        edges = np.unique(np.append(edges, found.tolerance))
-    counts, _ = np.histogram(found.values, edges)
-    out = edges[:-1] >= found.tolerance * (1 - 1e-12)
-    heights = counts / np.diff(edges) * (high - low) / bins
     for mine, ink in ((~out, ACCENT), (out, PUNCH)):
         axes.bar(edges[:-1][mine], heights[mine], np.diff(edges)[mine], align="edge", color=ink, edgecolor="white",
                  linewidth=0.5)  # fmt: skip
@@ -53,7 +53,7 @@ def draw_influences(found: Tolerances) -> Figure:
     axes = figure.add_axes((0.42, bottom, 0.54, 1 - bottom - 0.32 / figure.get_figheight()))
     shares = np.array([100 * one.share for one in shown])
     inks = [PUNCH if one.slope > 0 else ACCENT for one in shown]
-    reach = max(1.15 * shares.max(), 10.0)
+    reach = max(1.2 * shares.max(), 10.0)
     axes.barh(np.arange(len(shown)), shares, height=0.62, color=inks)
     for row, one in enumerate(shown):
         axes.text(
