@@ -22,6 +22,7 @@ from punchform.case.hardening import (
 )
 from punchform.case.load import LoadCase, PointForce, WindCase
 from punchform.case.memory import machine_memory
+from punchform.case.optimise import LimitCase, ObjectiveCase, OptimiseCase, VariableCase
 from punchform.case.packaged import TEMPLATE, packaged_cases, packaged_text
 from punchform.case.press import DescentCase, HolderCase, PressCase, SolverCase
 from punchform.case.punch import (
@@ -42,7 +43,7 @@ from punchform.case.schema import json_schema
 from punchform.case.stages import Kind, LoadStage, PressStage, ReleaseStage, Settings, Step, TrimCase, TrimStage
 from punchform.case.target import TargetCase
 from punchform.case.varying import number, setting, unit, varied, written
-from punchform.case.whole import Case
+from punchform.case.whole import Case, Contradiction
 from punchform.case.wire import Centreline, CosineLine, PointsLine, StraightLine, WireCase
 from punchform.case.writing import write_case
 
@@ -55,6 +56,7 @@ __all__ = [
     "Centreline",
     "CircleBlank",
     "ConeProfile",
+    "Contradiction",
     "CosineLine",
     "CrossingSpring",
     "DescentCase",
@@ -72,9 +74,12 @@ __all__ = [
     "HoldRing",
     "HolderCase",
     "Kind",
+    "LimitCase",
     "LinearHardening",
     "LoadCase",
     "LoadStage",
+    "ObjectiveCase",
+    "OptimiseCase",
     "ParaboloidProfile",
     "PointForce",
     "PointsLine",
@@ -102,6 +107,7 @@ __all__ = [
     "TensileHardening",
     "TrimCase",
     "TrimStage",
+    "VariableCase",
     "VoceHardening",
     "WindCase",
     "WireCase",

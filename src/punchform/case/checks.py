@@ -19,6 +19,7 @@ from punchform.case.memory import (
     machine_memory,
     solved_nodes,
 )
+from punchform.case.optimise import OptimiseCase, design_findings
 from punchform.case.press import PressCase, SolverCase
 from punchform.case.punch import PunchCase
 from punchform.case.release import HoldFrom, ReleaseCase
@@ -41,6 +42,7 @@ def findings(
     release: ReleaseCase | None,
     load: LoadCase | None,
     target: TargetCase | None,
+    optimise: OptimiseCase | None = None,
 ) -> Iterator[Finding]:
     """All contradictions between (and inside) the sections that are given."""
     if grid:
@@ -62,6 +64,8 @@ def findings(
         yield from _load_can_act(load, wire, release)
     if punch and target:
         yield from _aperture_inside_rim(punch, target)
+    if optimise and stages is None:
+        yield from design_findings(optimise, target, load)
     if wire and press:
         yield from yield_findings(wire, press)
     if wire and grid and release:

@@ -5,6 +5,7 @@ The scanner reads text that a TOML parser has accepted already, so it only has t
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
 from bisect import bisect_right
@@ -37,8 +38,10 @@ def dotted(path: Path) -> str:
 
     >>> dotted(("grid", "step", 1))
     'grid.step[1]'
+    >>> dotted(("optimise", "variables", "wire.diameter"))
+    'optimise.variables."wire.diameter"'
     """
-    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path).lstrip(".")
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{quoted(part)}" for part in path).lstrip(".")
 
 
 def undotted(text: str) -> Path:
@@ -47,7 +50,14 @@ def undotted(text: str) -> Path:
     >>> undotted("grid.step[1]")
     ('grid', 'step', 1)
     """
-    return tuple(int(key) if key.isdecimal() else key for key in re.findall(r"[^.\[\]]+", text))
+    keys = re.findall(r"""("[^"]*")|([^.\[\]"]+)""", text)
+    return tuple(inside[1:-1] if inside else int(key) if key.isdecimal() else key for inside, key in keys)
+
+
+def quoted(key: str) -> str:
+    """A key as TOML writes it: in quotes where it is more than letters, digits, - and _."""
+    # JSON escapes all that TOML wants escaped, but for one control character.
+    return key if _BARE_KEY.fullmatch(key) else json.dumps(key, ensure_ascii=False).replace("\x7f", "\\u007F")
 
 
 def line_of(lines: dict[Path, int], path: Path) -> int:

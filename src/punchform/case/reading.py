@@ -14,6 +14,7 @@ from pydantic import BaseModel, ValidationError
 from punchform.case.checks import findings
 from punchform.case.grid import GridCase
 from punchform.case.load import LoadCase
+from punchform.case.optimise import OptimiseCase
 from punchform.case.packaged import PREFIX, packaged_text
 from punchform.case.places import Path as KeyPath
 from punchform.case.places import dotted, key_lines, line_of, repeated, undotted
@@ -42,6 +43,7 @@ _MODELS: dict[str, type[BaseModel]] = {
     "release": ReleaseCase,
     "load": LoadCase,
     "target": TargetCase,
+    "optimise": OptimiseCase,
     "scatter": ScatterCase,
 }
 _Found = tuple[KeyPath, str, str]

@@ -26,6 +26,8 @@ def json_schema() -> dict[str, Any]:
         parts[name]["required"].remove("points")
         parts[name]["oneOf"] = [{"required": ["points"]}, {"required": ["file"]}]
     parts["CosineLine"]["required"].remove("height")
+    objectives = parts["OptimiseCase"]["properties"]["objectives"]
+    objectives["items"] = {"anyOf": [{"type": "string"}, objectives["items"]]}
     _one_or_two(parts["GridCase"]["properties"]["step"])
     _number_or_text(parts["PolynomialProfile"]["properties"]["coefficients"])
     _material_or_matrix(parts["WireCase"])

@@ -9,6 +9,7 @@ from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_v
 from punchform.case.checks import findings
 from punchform.case.grid import GridCase
 from punchform.case.load import LoadCase
+from punchform.case.optimise import OptimiseCase
 from punchform.case.parts import Part
 from punchform.case.press import PressCase, SolverCase
 from punchform.case.punch import PunchCase
@@ -21,6 +22,10 @@ from punchform.errors import InputError, Problem
 
 SCHEMA: Literal[1] = 1
 """The version of the case file that this program reads and writes."""
+
+
+class Contradiction(InputError):
+    """Sections that are right by themselves but not together."""
 
 
 class Case(Part):
@@ -41,6 +46,7 @@ class Case(Part):
     release: ReleaseCase | None = Field(default=None, description="what stays held after the press")
     load: LoadCase | None = Field(default=None, description="what acts on the grid after its release")
     target: TargetCase | None = Field(default=None, description="the wanted shape")
+    optimise: OptimiseCase | None = Field(default=None, description="what `punchform optimise` changes and improves")
     scatter: ScatterCase | None = Field(default=None, description="what varies from piece to piece")
     stages: Stages | None = Field(
         default=None,
@@ -57,7 +63,7 @@ class Case(Part):
     def _belongs_together(self) -> Self:
         found = tuple(findings(**{name: getattr(self, name) for name in ("stages", *CHECKED)}))
         if found:
-            raise InputError(Problem(one.message, ".".join(map(str, one.key)), one.hint) for one in found)
+            raise Contradiction(Problem(one.message, ".".join(map(str, one.key)), one.hint) for one in found)
         if self.punch is None and self.press.ends is None:
             raise InputError.of(NO_PUNCH, where="punch", hint=NO_PUNCH_HINT)
         return self
@@ -93,7 +99,7 @@ class Case(Part):
 NO_PUNCH = "this section is missing"
 NO_PUNCH_HINT = "add a table [punch], or say in press.ends where the wire ends go; `punchform new FILE` shows both"
 
-CHECKED: tuple[str, ...] = ("grid", "wire", "punch", "press", "solver", "release", "load", "target")
+CHECKED: tuple[str, ...] = ("grid", "wire", "punch", "press", "solver", "release", "load", "target", "optimise")
 """The tables of a case file that are checked against each other."""
 SECTIONS: tuple[str, ...] = (*CHECKED, "scatter")
 """The tables of a case file in the order in which they are written."""

@@ -38,7 +38,8 @@ def explain(error: ErrorDetails, section: str, model: type[BaseModel], raw: obje
     absent = _is_absent(inside, raw)
     match kind:
         case "extra_forbidden":
-            beside = list(_model_at(model, error["loc"][:-1]).model_fields)
+            fields = _model_at(model, error["loc"][:-1]).model_fields
+            beside = [field.alias or name for name, field in fields.items()]
             return path, UNKNOWN, _other_size(str(inside[-1]), value, beside) or meant(str(inside[-1]), beside)
         case "value_error":
             path, message, hint = _own_words(context["error"], path)

@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
+from punchform.case.places import quoted
 from punchform.case.whole import SECTIONS, Case
 from punchform.case.wire import MATERIAL
 
@@ -25,14 +26,9 @@ def write_case(case: Case) -> str:
         if name in content:
             if name == "wire" and "stiffness" in content[name]:
                 content[name] = {key: value for key, value in content[name].items() if key not in MATERIAL}
-            lines = [f"[{name}]"] + [f"{_key(key)} = {_entry(value)}" for key, value in content[name].items()]
+            lines = [f"[{name}]"] + [f"{quoted(key)} = {_entry(value)}" for key, value in content[name].items()]
             parts.append("\n".join(lines))
     return "\n\n".join(parts) + "\n"
-
-
-def _key(key: str) -> str:
-    """A key as TOML wants it: in quotes where it is a place with dots."""
-    return key if key.isidentifier() else _value(key)
 
 
 def _entry(value: Any) -> str:
@@ -41,7 +37,7 @@ def _entry(value: Any) -> str:
     if len(line) <= _WIDTH:
         return line
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{key} = {_entry(each)}" for key, each in value.items()) + " }"
+        return "{ " + ", ".join(f"{quoted(key)} = {_entry(each)}" for key, each in value.items()) + " }"
     if isinstance(value, list):
         return "[\n" + "".join(f"    {_value(each)},\n" for each in value) + "]"
     return line
@@ -52,7 +48,7 @@ def _value(value: Any) -> str:
         # JSON escapes all that TOML wants escaped, but for one control character.
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{key} = {_value(each)}" for key, each in value.items()) + " }"
+        return "{ " + ", ".join(f"{quoted(key)} = {_value(each)}" for key, each in value.items()) + " }"
     if isinstance(value, list | tuple):
         return "[" + ", ".join(_value(each) for each in value) + "]"
     return repr(value)

@@ -147,6 +147,16 @@ def _run(arguments: argparse.Namespace) -> Exit:
                 overwrite=arguments.overwrite,
                 as_json=arguments.json,
             )
+        case "optimise":
+            from punchform.cli.optimise import optimise_case
+
+            return optimise_case(
+                arguments.case,
+                arguments.output,
+                means=_means(arguments),
+                overwrite=arguments.overwrite,
+                as_json=arguments.json,
+            )
         case "tolerances":
             from punchform.cli.tolerances import tolerances_of
 

@@ -21,6 +21,11 @@ def check(path: str) -> Exit:
             print(f"{path}: usable; a gridshell of {sum(map(len, laid.nodes))} wires, {len(case.press.ends)} ends held")
             return Exit.DONE
         ready = prepare(case)
+        if case.optimise is not None:
+            from punchform.optimise.problem import question_of
+            from punchform.optimise.search import way_of
+
+            way_of(question_of(case))
     except InputError as error:
         raise source.placed(error) from None
     grid = ready.grid

@@ -10,8 +10,8 @@ from punchform.cli.exits import Exit
 from punchform.cli.talk import say
 
 CASE_HELP = (
-    "case file, or packaged:check, packaged:paper, packaged:stretch, packaged:gridshell for a case that comes with the "
-    "program"
+    "case file, or packaged:check, packaged:paper, packaged:stretch, packaged:gridshell, packaged:design for a case "
+    "that comes with the program"
 )
 
 
@@ -53,7 +53,7 @@ def parser() -> argparse.ArgumentParser:
     _add_sensitivity(commands.add_parser("sensitivity", help="which numbers matter, and what tolerance each needs"))
     _add_punch(commands.add_parser("punch", help="the punch as files for the workshop: tables, drawing, solid"))
     _add_sweep(commands.add_parser("sweep", help="evaluate many designs of a case, into one table"))
-
+    _add_optimise(commands.add_parser("optimise", help="search for the best design, as [optimise] of the case asks"))
     _add_tolerances(commands.add_parser("tolerances", help="what the scatter of wire, grid and tool does to accuracy"))
 
     element = commands.add_parser("element", help="the stiffness of one wire between two crossings")
@@ -183,6 +183,12 @@ def _add_tolerances(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--samples", metavar="N", type=int, default=200, help="how many samples; more go on from fewer; 200 when absent"
     )
+    _add_many(command)
+
+
+def _add_optimise(command: argparse.ArgumentParser) -> None:
+    """The arguments of `optimise`."""
+    command.add_argument("case", metavar="CASE", help=CASE_HELP)
     _add_many(command)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache
 from importlib.util import find_spec
@@ -22,9 +22,9 @@ from punchform import __version__
 from punchform.case import Case, number, setting, varied, written
 from punchform.errors import InputError, NoEquilibrium
 from punchform.optimise.figures import FIGURES, figures
-from punchform.run import run
+from punchform.run import Run, run
 
-WITHOUT_EFFECT = ("title", "scatter")
+WITHOUT_EFFECT = ("title", "scatter", "optimise")
 """What a case says that no figure of its run depends on."""
 
 
@@ -68,8 +68,8 @@ class Task:
     changes: Mapping[str, Any]
 
 
-def evaluate(case: Case, changes: Mapping[str, object]) -> Evaluation:
-    """Run the case with these changes and read its figures.
+def evaluate(case: Case, changes: Mapping[str, object], *, keep: Callable[[Run], None] | None = None) -> Evaluation:
+    """Run the case with these changes and read its figures; `keep` is given the run itself.
 
     What goes wrong with this one design (settings that cannot be, no equilibrium, anything else) is a recorded
     failure, not an error: the next design may do better.
@@ -82,6 +82,8 @@ def evaluate(case: Case, changes: Mapping[str, object]) -> Evaluation:
         done = run(design.case)
         if done.formed.outcome.usable:
             found = {name: None if value is None else float(value) for name, value in figures(done).items()}
+            if keep is not None:
+                keep(done)
         else:
             failure = done.formed.outcome.value
     except Exception as error:

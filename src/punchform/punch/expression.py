@@ -1,7 +1,7 @@
-"""A profile written as a formula in rho: read by a strict grammar, never executed as code.
+"""A formula in a case, a profile in rho or a cost in figures: read by a strict grammar, never executed as code.
 
-Only numbers, `rho`, `pi`, + - * / **, brackets and a short list of functions pass; every other token is
-refused by name. Parts without rho are numbers at once; the rest becomes a tree of Taylor arithmetic, whose
+Only numbers, the names it is told of, `pi`, + - * / **, brackets and a short list of functions pass; every other
+token is refused by name. Parts without names are numbers at once; the rest becomes a tree of Taylor arithmetic, whose
 derivatives are exact.
 """
 
@@ -11,7 +11,7 @@ import ast
 import math
 import operator
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,11 +24,14 @@ from punchform.punch.taylor import FUNCTIONS, Taylor
 LENGTH_LIMIT = 1000
 DEPTH_LIMIT = 100
 EXPONENT_LIMIT = 64
+MOST_NAMED = 24
 
-Formula = Callable[[Taylor], Taylor]
+Point = Mapping[str, Taylor]
+"""What stands for each name."""
+Formula = Callable[[Point], Taylor]
 
 _TOKEN = re.compile(
-    r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_]\w*)"
+    r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_]\w*(?:\.[A-Za-z_]\w*|\[\d+\])*)"
     r"|(?P<sign>\*\*|[-+*/()])|(?P<space> +)",
     re.ASCII,
 )
@@ -56,8 +59,35 @@ class Expression:
 
     def __call__(self, rho: Floats) -> tuple[Floats, Floats, Floats]:
         with np.errstate(all="ignore"):
-            result = self.formula(taylor.variable(rho))
+            result = self.formula({"rho": taylor.variable(rho)})
         return result.value, result.first, result.second
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A number from other numbers by a formula; `names` are those that it needs."""
+
+    text: str
+    names: tuple[str, ...]
+    formula: Formula
+
+    def __call__(self, values: Mapping[str, float]) -> float:
+        """The number for values of the names; NaN where the formula is not defined."""
+        return float(self._at(values, None).value[0])
+
+    def slope(self, values: Mapping[str, float], name: str) -> float:
+        """Its derivative by one of the names, exact; 0 for a name that it does not have."""
+        return float(self._at(values, name).first[0]) if name in self.names else 0.0
+
+    def _at(self, values: Mapping[str, float], varied: str | None) -> Taylor:
+        given = {name: np.array([values[name]]) for name in self.names}
+        with np.errstate(all="ignore"):
+            return self.formula(
+                {
+                    name: taylor.variable(value) if name == varied else taylor.constant(values[name], value)
+                    for name, value in given.items()
+                }
+            )
 
 
 def expression(text: str, *, where: str) -> Expression:
@@ -65,22 +95,43 @@ def expression(text: str, *, where: str) -> Expression:
 
     Raises InputError that names the first thing that is not allowed.
     """
-    reader = _Reader(where)
+    reader = _Reader(where, ("rho",), "rho", "rho")
     text = " ".join(text.split())
-    reader.check_tokens(text)
-    try:
-        tree = ast.parse(text, mode="eval")
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise reader.refusal(f"`{_shown(text)}` is not a complete formula", "check brackets and operators") from None
-    result = reader.read(tree.body, 0)
-    if isinstance(result, float):
-        raise reader.refusal(f"`{_shown(text)}` does not depend on rho")
-    return Expression(text, result)
+    return Expression(text, reader.formula(text))
+
+
+def rule(text: str, names: Collection[str], *, where: str) -> Rule:
+    """The formula of a number from numbers that have names, such as "2.5 * wire_length / 1000 + 40 * mass".
+
+    Raises InputError that names the first thing that is not allowed.
+    """
+    reader = _Reader(where, names, "any figure or setting", "mass")
+    text = " ".join(text.split())
+    formula = reader.formula(text)
+    found = dict.fromkeys(token.group() for token in _TOKEN.finditer(text) if token.lastgroup == "name")
+    return Rule(text, tuple(name for name in found if name in names), formula)
 
 
 @dataclass(frozen=True)
 class _Reader:
+    """Reads a formula in some names; `on` says what it must depend on, `example` is a name for hints."""
+
     where: str
+    names: Collection[str]
+    on: str
+    example: str
+
+    def formula(self, text: str) -> Formula:
+        """What the text says, for all names at once."""
+        self.check_tokens(text)
+        try:
+            tree = ast.parse(text, mode="eval")
+        except (SyntaxError, ValueError, RecursionError, MemoryError):
+            raise self.refusal(f"`{_shown(text)}` is not a complete formula", "check brackets and operators") from None
+        result = self.read(tree.body, 0)
+        if isinstance(result, float):
+            raise self.refusal(f"`{_shown(text)}` does not depend on {self.on}")
+        return result
 
     def refusal(self, message: str, hint: str = "") -> InputError:
         return InputError.of(message, where=self.where, hint=hint)
@@ -93,7 +144,8 @@ class _Reader:
         while place < len(text):
             token = _TOKEN.match(text, place)
             if token is None:
-                hint = "write powers as rho**2" if text[place] == "^" else "only numbers, rho, + - * / ** ( )"
+                caret = text[place] == "^"
+                hint = f"write powers as {self.example}**2" if caret else f"only numbers, {self.on}, + - * / ** ( )"
                 shown = text[place] if text[place].isprintable() else ascii(text[place])
                 raise self.refusal(f"`{shown}` is not allowed in an expression", hint)
             if token.lastgroup == "name":
@@ -103,24 +155,26 @@ class _Reader:
             place, before = token.end(), str(token.lastgroup)
 
     def check_name(self, name: str) -> None:
-        if name in ("rho", "pi") or name in FUNCTIONS:
+        if name in self.names or name == "pi" or name in FUNCTIONS:
             return
         if name in _NOT_SMOOTH:
             raise self.refusal(
-                f"`{name}` is not allowed: it makes the profile not smooth",
-                "rho is never negative, so abs(rho) is rho" if name == "abs" else "",
+                f"`{name}` is not allowed: it makes the formula not smooth",
+                "rho is never negative, so abs(rho) is rho" if name == "abs" and "rho" in self.names else "",
             )
-        raise self.refusal(f"`{name}` is not known in an expression", f"known: rho, pi, {', '.join(FUNCTIONS)}")
+        known = ", ".join((*list(self.names)[:MOST_NAMED], "pi", *FUNCTIONS))
+        raise self.refusal(f"`{_shown(name)}` is not known in an expression", f"known: {known}")
 
     def read(self, node: ast.expr, depth: int) -> Formula | float:
-        """A number when the part does not contain rho, else its formula."""
+        """A number when the part contains no name, else its formula."""
         if depth > DEPTH_LIMIT:
             raise self.refusal("the expression is nested too deeply", "give a table of points")
         match node:
             case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
                 return self.number(lambda: float(value))
-            case ast.Name(id="rho"):
-                return lambda rho: rho
+            case ast.Name() | ast.Attribute() | ast.Subscript() if ast.unparse(node) in self.names:
+                name = ast.unparse(node)
+                return lambda at: at[name]
             case ast.Name(id="pi"):
                 return math.pi
             case ast.UnaryOp(op=ast.UAdd(), operand=operand):
@@ -144,7 +198,7 @@ class _Reader:
         if isinstance(left, float) and isinstance(right, float):
             return self.number(lambda: _NUMBERS[op](left, right))
         a, b, join = _formula(left), _formula(right), _SUMS[op]
-        return lambda rho: join(a(rho), b(rho))
+        return lambda at: join(a(at), b(at))
 
     def power(self, base: Formula | float, exponent: Formula | float) -> Formula | float:
         if not isinstance(exponent, float):
@@ -153,15 +207,15 @@ class _Reader:
             raise self.refusal(f"the exponent {exponent:g} is too large; at most {EXPONENT_LIMIT} is allowed")
         if isinstance(base, float):
             return self.number(lambda: math.pow(base, exponent))
-        return lambda rho: taylor.power(base(rho), exponent)
+        return lambda at: taylor.power(base(at), exponent)
 
     def apply(self, name: str, argument: Formula | float) -> Formula | float:
         function = FUNCTIONS[name]
         if isinstance(argument, float):
-            at = taylor.constant(argument, np.zeros(1))
+            given = taylor.constant(argument, np.zeros(1))
             with np.errstate(all="ignore"):
-                return self.number(lambda: float(function(at).value[0]))
-        return lambda rho: function(argument(rho))
+                return self.number(lambda: float(function(given).value[0]))
+        return lambda at: function(argument(at))
 
     def number(self, compute: Callable[[], float]) -> float:
         try:
@@ -175,14 +229,14 @@ class _Reader:
 
 def _formula(part: Formula | float) -> Formula:
     if isinstance(part, float):
-        return lambda rho: taylor.constant(part, rho.value)
+        return lambda at: taylor.constant(part, next(iter(at.values())).value)
     return part
 
 
 def _negative(part: Formula | float) -> Formula | float:
     if isinstance(part, float):
         return -part
-    return lambda rho: -part(rho)
+    return lambda at: -part(at)
 
 
 def _shown(text: str) -> str:

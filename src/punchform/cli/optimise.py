@@ -1,0 +1,106 @@
+"""`punchform optimise`: search for the best design of a case, or for the front of several objectives."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from punchform.case import parse, read_text
+from punchform.cli.exits import Exit
+from punchform.cli.sweeping import Means, workers_of
+from punchform.cli.talk import Talk, say
+from punchform.errors import InputError
+
+if TYPE_CHECKING:
+    from punchform.optimise.asking import Answer, Ask
+    from punchform.optimise.evaluations import Record
+    from punchform.optimise.problem import Question
+    from punchform.optimise.search import Found
+    from punchform.optimise.slopes import Slopes
+
+
+def optimise_case(path: str, output: str, *, means: Means, overwrite: bool, as_json: bool) -> Exit:
+    """Search, and write the folder of the search, or go on with it.
+
+    Raises InputError for a case or a folder that cannot be used, NoEquilibrium when no design has figures.
+    """
+    from punchform.optimise.evaluations import Record
+    from punchform.optimise.problem import question_of
+    from punchform.optimise.search import search, way_of
+    from punchform.optimise.search_folder import RECORD, open_folder, write_found
+    from punchform.optimise.slopes import is_slopes
+    from punchform.report.search import write_search_report
+
+    source = read_text(path)
+    case = parse(source)
+    try:
+        _ = case.tool
+        question = question_of(case)
+        way, why = way_of(question)
+    except InputError as error:
+        raise source.placed(error) from None
+    folder = open_folder(output, case, overwrite=overwrite)
+    with Record(folder / RECORD) as record:
+        try:
+            with Talk(quiet=means.quiet) as talk, _evaluates(question, record, means, way) as (ask, slopes):
+                if not means.quiet:
+                    say(f"note: method {way}: {why}")
+                found = search(question, ask, slopes=slopes, observe=_Progress(question, talk))
+        except KeyboardInterrupt:
+            kept = sum(not is_slopes(one) for one in record)
+            say(f"note: {kept} evaluations are kept; the same command goes on from there")
+            raise
+    text = write_found(folder, found)
+    write_search_report(found, case, folder)
+    print(text.rstrip() if as_json else summary(found, folder))
+    return Exit.DONE if found.best.allowed else Exit.OUT_OF_TOLERANCE
+
+
+@contextmanager
+def _evaluates(question: Question, record: Record, means: Means, way: str) -> Iterator[tuple[Ask, Slopes | None]]:
+    """What evaluates designs: going downhill one after the other here, with tangents; else the workers."""
+    from punchform.optimise.asking import evaluator
+    from punchform.optimise.slopes import Kept
+
+    if way == "gradient":
+        kept = Kept(question, record)
+        yield kept.ask, kept.slopes
+        return
+    with workers_of(means) as workers, evaluator(question.case, record, workers) as ask:
+        yield ask, None
+
+
+class _Progress:
+    """How far a search has come, in the progress line of a terminal."""
+
+    def __init__(self, question: Question, talk: Talk) -> None:
+        self._question = question
+        self._talk = talk
+        self._best: float | None = None
+
+    def __call__(self, answer: Answer) -> None:
+        """Tell of one more design."""
+        objective = self._question.objectives[0]
+        value = answer.told.get(objective.figure)
+        if answer.allowed and value is not None and (self._best is None or objective.sign * (value - self._best) < 0):
+            self._best = value
+        if sys.stderr.isatty():
+            words = f"design {answer.number} of at most {self._question.asked.evaluations}"
+            self._talk.show(words if self._best is None else f"{words}, best {objective.figure} {self._best:.4g}")
+
+
+def summary(found: Found, folder: Path) -> str:
+    """What a person wants to know first about a search."""
+    from punchform.optimise.search_folder import BEST, FRONT
+    from punchform.report.search import sentences, several
+
+    lines = [found.question.case.title, *(f"  {one}" for one in sentences(found))]
+    lines.append(f"  {len(found.answers)} designs evaluated; {found.ended}")
+    lines.append(f"  {'compromise' if several(found) else 'best design':<12}  {folder / BEST}")
+    if several(found):
+        lines.append(f"  {'front':<12}  {folder / FRONT}")
+    lines.append(f"  {'report':<12}  {folder / 'report.html'}")
+    return "\n".join(lines)
