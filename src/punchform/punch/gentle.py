@@ -10,7 +10,6 @@ from punchform.arrays import Bools, Floats
 from punchform.errors import Problem
 from punchform.punch.corrected import Corrected
 from punchform.punch.correction import HeightField, RadialCorrection
-from punchform.punch.dying_out import NIL
 from punchform.punch.protocol import Surface
 from punchform.punch.sharpness import Bends, runs
 
@@ -19,6 +18,8 @@ STEEPEST = 1.0
 """The slope that a correction may have: a steeper one is another punch, or in another unit."""
 DEEPEST = 0.01
 """How far a corrected punch may dip below its flange, in its heights."""
+FLANGE = 0.01
+"""A flange that a correction changes by less [mm] is left as it is: no spline ends between two of its points."""
 NOTICED = 0.9
 """A bend is that of the correction where it makes the radius smaller by more than a tenth."""
 FINER = 2
@@ -101,7 +102,7 @@ def _on_flange(surface: Corrected, lines: tuple[_Lines, ...]) -> Problem | None:
     xy = _all(lines)
     size = np.where(np.hypot(*xy.T) > surface.rim_radius, np.abs(surface.correction.value(xy)), 0.0)
     worst = int(np.argmax(size))
-    if size[worst] <= NIL:
+    if size[worst] <= FLANGE:
         return None
     return Problem(
         f"the correction changes the flange by {size[worst]:.3g} mm {_at(surface, xy[worst])}, beyond the rim at "
