@@ -24,6 +24,7 @@ PAGES = {
     "descent_against_newton.py": ("paper.md", ("descent",)),
     "sweep_scaling.py": ("sweeps.md", ("sweep",)),
     "linear_solvers.py": ("decisions/linear-solver.md", ("solvers",)),
+    "compensation.py": ("compensation.md", ("stretch", "paper")),
     "stretch_forming.py": ("stretch_forming.md", ("forming", "flow", "lengths", "strokes", "sections")),
 }
 TINY = {

@@ -107,6 +107,22 @@ def _run(arguments: argparse.Namespace) -> Exit:
                 quiet=arguments.quiet,
                 as_json=arguments.json,
             )
+        case "compensate":
+            from punchform.cli.compensate import compensate_punch
+
+            return compensate_punch(
+                arguments.case,
+                arguments.output,
+                surface=arguments.surface,
+                solves=arguments.solves,
+                relaxation=arguments.relaxation,
+                to=arguments.to,
+                compare=arguments.compare,
+                response=arguments.response,
+                overwrite=arguments.overwrite,
+                quiet=arguments.quiet,
+                as_json=arguments.json,
+            )
         case "sensitivity":
             from punchform.cli.sensitivity import sensitivity
 

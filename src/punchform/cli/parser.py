@@ -49,6 +49,7 @@ def parser() -> argparse.ArgumentParser:
     )
 
     _add_compare(commands.add_parser("compare", help="hold measured points against the target and a run"))
+    _add_compensate(commands.add_parser("compensate", help="find the punch whose released shape is the target"))
 
     _add_sensitivity(commands.add_parser("sensitivity", help="which numbers matter, and what tolerance each needs"))
     _add_punch(commands.add_parser("punch", help="the punch as files for the workshop: tables, drawing, solid"))
@@ -212,3 +213,28 @@ def _add_many(command: argparse.ArgumentParser) -> None:
     command.add_argument("--overwrite", action="store_true", help="begin anew in a folder that was begun")
     command.add_argument("--quiet", action="store_true", help="no progress and no notes")
     command.add_argument("--json", action="store_true", help="print the result as JSON instead of a summary")
+
+
+def _add_compensate(command: argparse.ArgumentParser) -> None:
+    """The arguments of `compensate`."""
+    _add_run(command)
+    command.add_argument(
+        "--surface",
+        choices=("field", "revolution", "lobes"),
+        default="field",
+        help="what the punch may become: field: any smooth surface; revolution: what a lathe makes; lobes: the same "
+        "with four lobes added",
+    )
+    command.add_argument(
+        "--solves", metavar="N", default="6", help="presses and releases at most, that of the given punch included"
+    )
+    command.add_argument(
+        "--relaxation", metavar="SHARE", default="1", help="which part of the error a step answers, above 0 up to 1"
+    )
+    command.add_argument("--to", metavar="LENGTH", help="rms to reach, such as '0.05 mm'; else the target's tolerance")
+    command.add_argument(
+        "--compare", action="store_true", help="search the other kinds of surface to their end too, with as many solves"
+    )
+    command.add_argument(
+        "--response", action="store_true", help="measure which part of the error the punch can reach; takes more solves"
+    )

@@ -194,7 +194,7 @@ def _by_punch(run: Run, accuracy: Accuracy) -> str:
         return ""
     return (
         f"{percent(round_part)} of the mean square is the same all round: another profile of the punch can answer that "
-        "part. Press it again after every change; the released shape does not follow the punch one to one."
+        "part. `punchform compensate` finds it, or says why the released shape does not follow the punch."
     )
 
 
