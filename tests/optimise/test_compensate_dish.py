@@ -278,3 +278,14 @@ def test_an_interrupted_or_failed_search_leaves_nothing(
 def test_a_missing_target_is_told_from_python_too() -> None:
     with pytest.raises(InputError, match="target"):
         compensate_case(varied(case_of(), {}).model_copy(update={"target": None}), Wish())
+
+
+def test_the_packaged_dish_on_a_coarser_grid_is_ten_times_better_after_one_correction() -> None:
+    coarse = varied(read_case("packaged:stretch"), {"grid.step": 15.0})
+    done = compensate_case(coarse, Wish(limits=Limits(0.14)))
+    assert done.found.ending is Ending.WITHIN
+    assert len(done.found.solves) <= 6
+    assert done.found.gain >= 10
+    turned = done.others["revolution"]
+    assert one_rms(turned.best) == pytest.approx(turned.floor, rel=0.05)
+    assert 3 < done.before.rms / turned.floor < 10

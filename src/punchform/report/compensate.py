@@ -168,5 +168,5 @@ def _reach_rows(done: Compensated) -> Rows:
         ("Singular values of the response", ", ".join(size(value, "", 2) for value in reach.values)),
         ("Share of the squared error in each", ", ".join(size(100 * share, "%", 2) for share in reach.shares)),
         ("Rms in shapes that the punch does not move", size(reach.left, "mm", 3)),
-        ("Presses and releases that this took", f"{reach.solves}"),
+        ("Presses and releases that this took", f"{reach.solves}" if reach.solves else "none, by tangents"),
     )
