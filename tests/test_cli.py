@@ -46,7 +46,7 @@ def test_help_imports_nothing_heavy() -> None:
 def test_help_tells_commands_and_exit_codes(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--help"]) == Exit.DONE
     text = capsys.readouterr().out
-    for command in ("form", "punch", "element", "materials", "new", "check", "schema", "about"):
+    for command in ("form", "compensate", "punch", "element", "materials", "new", "check", "schema", "about"):
         assert re.search(rf"\n    {command}\s", text)
     for code in Exit:
         assert f"{code.value:>3}  {code.sentence}" in text
