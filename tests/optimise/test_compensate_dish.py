@@ -15,10 +15,10 @@ from punchform.case import read_case, varied
 from punchform.case.reading import case_from_text
 from punchform.cli import main
 from punchform.errors import InputError, NoEquilibrium
-from punchform.export.compensate import SOLVE_COLUMNS, compensation_result, convergence_csv
 from punchform.optimise import compensated
 from punchform.optimise.compensated import Wish, compensate_case
 from punchform.optimise.compensation import Ending, Limits, one_rms
+from punchform.optimise.compensation_files import SOLVE_COLUMNS, compensation_result, convergence_csv
 from punchform.optimise.remedies import remedies_of
 from punchform.report.compensate_words import explained, remedies, solve_rows
 from punchform.run import run

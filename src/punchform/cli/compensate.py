@@ -11,10 +11,10 @@ from punchform.case import Case, parse, read_text, write_case
 from punchform.cli.exits import Exit
 from punchform.cli.talk import Talk, say
 from punchform.errors import InputError
-from punchform.export.compensate import CONVERGENCE, compensation_json, convergence_csv
 from punchform.export.punch_files import write_punch
 from punchform.optimise.compensated import Compensated, Wish, compensate_case
 from punchform.optimise.compensation import Limits
+from punchform.optimise.compensation_files import CONVERGENCE, compensation_json, convergence_csv
 from punchform.optimise.correction_space import Kind
 from punchform.punch import surface as surface_of
 from punchform.report.compensate import write_compensation_report

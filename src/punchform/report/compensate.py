@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
-from punchform.export.compensate import CONVERGENCE
+from punchform.optimise.compensation_files import CONVERGENCE
 from punchform.optimise.correction_space import WORDS
 from punchform.report.compensate_words import NAMES, explained, remedies, solve_rows
 from punchform.report.figures.compensation import (
