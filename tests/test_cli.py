@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import argparse
+import inspect
 import io
 import json
 import os
 import re
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +19,9 @@ import pytest
 from punchform import __version__
 from punchform.case import packaged_text
 from punchform.case.materials import library
-from punchform.cli import main
+from punchform.cli import COMMANDS, main
 from punchform.cli.exits import Exit
+from punchform.cli.parser import parser
 from punchform.cli.talk import Talk, say
 from punchform.errors import InputError, NoEquilibrium
 from punchform.progress import Progress
@@ -417,3 +421,16 @@ def test_a_modulus_meant_in_gigapascals_is_doubted(tmp_path: Path, capsys: pytes
     case.write_text(COARSE.replace('"200 GPa"', "200"), encoding="utf-8")
     assert main(["check", str(case)]) == Exit.DONE
     assert "wire.youngs_modulus: Young's modulus is 200 MPa" in capsys.readouterr().err
+
+
+def test_every_command_is_given_the_arguments_that_it_takes() -> None:
+    """The names of its options are those of its function, so none is offered that does nothing."""
+    choices = next(one for one in parser()._actions if isinstance(one, argparse._SubParsersAction)).choices
+    assert set(choices) == set(COMMANDS)
+    for name, command in choices.items():
+        module, _, function = COMMANDS[name].partition(":")
+        taken = set(inspect.signature(getattr(import_module(f"punchform.cli.{module}"), function)).parameters)
+        given = {one.dest for one in command._actions} - {"help"}
+        if "scheduler" in given:
+            given = given - {"workers", "scheduler", "quiet"} | {"means"}
+        assert given == taken, name

@@ -43,7 +43,12 @@ CHANGES: dict[str, dict[str, object]] = {
         "target.measure": "axial",
     },
     "cut wires": {"grid.subdivide": 2},
-    "whole grid, chord, welded": {"press.frame": "chord", "grid.symmetry": "full", "grid.crossing": "welded"},
+    "whole grid, chord, welded": {
+        "press.frame": "chord",
+        "grid.symmetry": "full",
+        "grid.crossing": "welded",
+        "grid.step": "12.5 mm",
+    },
     "two steps, half-path": {"grid.step": ("10 mm", "8 mm"), "target.measure": "half-path", "target.taper": 10.0},
 }
 """What makes a relative of the dish."""

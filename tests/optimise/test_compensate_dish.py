@@ -110,11 +110,12 @@ def test_an_elastic_dish_is_told_not_to_follow_why_and_what_would_help() -> None
 
 def test_what_a_case_does_already_is_not_suggested() -> None:
     names = {one.name for one in remedies_of(case_of(elastic=True))}
-    assert names == {"soft", "weld", "ribs", "hold"}
+    assert names == {"soft", "weld", "ribs", "hold", "pull"}
     better = varied(
         case_of(),
         {
             "grid.crossing": "welded",
+            "press.rim": "clamp",
             "release.ribs": [{"radius": 30.0}],
             "release.hold.from_radius": 45.0,
         },
@@ -220,7 +221,7 @@ def test_the_command_ends_with_one_when_the_punch_cannot_help(
     content = json.loads(capsys.readouterr().out)["compensation"]
     assert content["within"] is False
     assert content["reach"]["rms_not_moved_mm"] == pytest.approx(done.reach.left)  # type: ignore[union-attr]
-    assert {one["remedy"] for one in content["tried"]} == {"soft", "weld", "ribs", "hold"}
+    assert {one["remedy"] for one in content["tried"]} == {"soft", "weld", "ribs", "hold", "pull"}
     assert "What the punch can reach" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
 
 

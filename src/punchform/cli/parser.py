@@ -58,29 +58,29 @@ def parser() -> argparse.ArgumentParser:
     _add_tolerances(commands.add_parser("tolerances", help="what the scatter of wire, grid and tool does to accuracy"))
 
     element = commands.add_parser("element", help="the stiffness of one wire between two crossings")
-    element.add_argument("case", metavar="CASE", help=CASE_HELP)
+    element.add_argument("path", metavar="CASE", help=CASE_HELP)
     element.add_argument(
         "--axes",
         choices=("element", "paper"),
         default="element",
         help="axes of the matrices",
     )
-    element.add_argument("--json", action="store_true", help="print the matrices and checks as JSON")
+    element.add_argument("--json", dest="as_json", action="store_true", help="print the matrices and checks as JSON")
     element.add_argument("--plot", metavar="FILE", help="draw the wire and its deflections (png, svg or pdf)")
 
     materials = commands.add_parser(
         "materials", help="what wires are made of: all materials, or one with its flow curve"
     )
     materials.add_argument("name", metavar="NAME", nargs="?", help="a material, such as '304 annealed'")
-    materials.add_argument("--json", action="store_true", help="print numbers and flow curves as JSON")
-    materials.add_argument("-o", "--output", metavar="FILE", help="draw the flow curve (png, svg or pdf)")
+    materials.add_argument("--json", dest="as_json", action="store_true", help="print numbers and flow curves as JSON")
+    materials.add_argument("-o", "--output", dest="plot", metavar="FILE", help="draw the flow curve (png, svg or pdf)")
 
     new = commands.add_parser("new", help="write a commented case file to start from")
     new.add_argument("file", metavar="FILE", help="file to write")
     new.add_argument("--overwrite", action="store_true", help="replace the file")
 
     check = commands.add_parser("check", help="check a case file without running it")
-    check.add_argument("case", metavar="CASE", help=CASE_HELP)
+    check.add_argument("path", metavar="CASE", help=CASE_HELP)
 
     commands.add_parser("schema", help="print the JSON schema of the case file")
     commands.add_parser("about", help="versions, platform, linear solver, cores, memory")
@@ -89,16 +89,16 @@ def parser() -> argparse.ArgumentParser:
 
 def _add_run(command: argparse.ArgumentParser) -> None:
     """The arguments of a command that turns a case into a folder of results."""
-    command.add_argument("case", metavar="CASE", help=CASE_HELP)
+    command.add_argument("path", metavar="CASE", help=CASE_HELP)
     command.add_argument("-o", "--output", metavar="DIR", required=True, help="folder for the results")
     command.add_argument("--overwrite", action="store_true", help="replace an earlier run in that folder")
     command.add_argument("--quiet", action="store_true", help="no progress and no notes")
-    command.add_argument("--json", action="store_true", help="print result.json instead of a summary")
+    command.add_argument("--json", dest="as_json", action="store_true", help="print result.json instead of a summary")
 
 
 def _add_sensitivity(command: argparse.ArgumentParser) -> None:
     """The arguments of `sensitivity`."""
-    command.add_argument("case", metavar="CASE", help=CASE_HELP)
+    command.add_argument("path", metavar="CASE", help=CASE_HELP)
     command.add_argument("-o", "--output", metavar="DIR", help="folder for table, figure and report; none without it")
     command.add_argument(
         "--of", metavar="FIGURE", action="append", default=[], help="such as rms, apex, max_shear; rms when left out"
@@ -115,7 +115,7 @@ def _add_sensitivity(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("--overwrite", action="store_true", help="replace an earlier answer in that folder")
     command.add_argument("--quiet", action="store_true", help="no progress and no notes")
-    command.add_argument("--json", action="store_true", help="print result.json instead of a table")
+    command.add_argument("--json", dest="as_json", action="store_true", help="print result.json instead of a table")
 
 
 def _add_punch(command: argparse.ArgumentParser) -> None:
@@ -158,12 +158,14 @@ def _add_compare(command: argparse.ArgumentParser) -> None:
     command.add_argument("--drop-outliers", action="store_true", help="leave outliers out of fit and statistics")
     command.add_argument("--overwrite", action="store_true", help="replace an earlier comparison in that folder")
     command.add_argument("--quiet", action="store_true", help="no notes")
-    command.add_argument("--json", action="store_true", help="print comparison.json instead of a summary")
+    command.add_argument(
+        "--json", dest="as_json", action="store_true", help="print comparison.json instead of a summary"
+    )
 
 
 def _add_sweep(command: argparse.ArgumentParser) -> None:
     """The arguments of `sweep`."""
-    command.add_argument("case", metavar="CASE", help=CASE_HELP)
+    command.add_argument("path", metavar="CASE", help=CASE_HELP)
     command.add_argument(
         "--over",
         metavar="PLACE=VALUES",
@@ -175,22 +177,32 @@ def _add_sweep(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--samples", metavar="N", type=int, help="instead of all combinations so many designs of a Latin hypercube"
     )
+    _add_sampling(command)
     _add_many(command)
 
 
 def _add_tolerances(command: argparse.ArgumentParser) -> None:
     """The arguments of `tolerances`."""
-    command.add_argument("case", metavar="CASE", help=CASE_HELP + "; its [scatter] says what varies")
+    command.add_argument("path", metavar="CASE", help=CASE_HELP + "; its [scatter] says what varies")
     command.add_argument(
         "--samples", metavar="N", type=int, default=200, help="how many samples; more go on from fewer; 200 when absent"
     )
+    _add_sampling(command)
     _add_many(command)
 
 
 def _add_optimise(command: argparse.ArgumentParser) -> None:
     """The arguments of `optimise`."""
-    command.add_argument("case", metavar="CASE", help=CASE_HELP)
+    command.add_argument("path", metavar="CASE", help=CASE_HELP)
     _add_many(command)
+
+
+def _add_sampling(command: argparse.ArgumentParser) -> None:
+    """The arguments of a command that draws designs and tabulates them."""
+    command.add_argument("--seed", metavar="S", type=int, default=1, help="of the samples; 1 when absent")
+    command.add_argument(
+        "--format", choices=("csv", "parquet"), default="csv", help="parquet: table.parquet beside table.csv"
+    )
 
 
 def _add_many(command: argparse.ArgumentParser) -> None:
@@ -202,17 +214,15 @@ def _add_many(command: argparse.ArgumentParser) -> None:
         required=True,
         help="folder for the results; one that was begun is gone on with",
     )
-    command.add_argument("--seed", metavar="S", type=int, default=1, help="of the samples; 1 when absent")
-    command.add_argument(
-        "--format", choices=("csv", "parquet"), default="csv", help="parquet: table.parquet beside table.csv"
-    )
     command.add_argument("--workers", metavar="N", type=int, help="processes on this machine; one for each core")
     command.add_argument(
         "--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers compute instead, such as tcp://host:8786"
     )
     command.add_argument("--overwrite", action="store_true", help="begin anew in a folder that was begun")
     command.add_argument("--quiet", action="store_true", help="no progress and no notes")
-    command.add_argument("--json", action="store_true", help="print the result as JSON instead of a summary")
+    command.add_argument(
+        "--json", dest="as_json", action="store_true", help="print the result as JSON instead of a summary"
+    )
 
 
 def _add_compensate(command: argparse.ArgumentParser) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -21,7 +22,10 @@ SPOKES = 8
 FURTHER_IN = 0.9
 """Where holding is tried, of the radius of the aperture."""
 
-Name = Literal["soft", "weld", "ribs", "hold"]
+TAUT = 100.0
+"""Stress [MPa] at which the wires of a grid are pulled taut for a trial."""
+
+Name = Literal["soft", "weld", "ribs", "hold", "pull"]
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,10 @@ def _changes(case: Case) -> Iterator[Remedy]:
         yield Remedy("soft", {**said, "wire.material": SOFT, "wire.stiffness": None, "press.rim": "clamp"})
     if case.grid.crossing == "pinned":
         yield Remedy("weld", {"grid.crossing": "welded"})
+    press = case.press
+    if press.pull is None and press.hold is None and press.rim == "draw" and press.strokes is None:
+        force = float(f"{0.25 * math.pi * case.wire.diameter**2 * TAUT:.2g}")
+        yield Remedy("pull", {"press.pull": (force, force), "press.frame": "chord"})
     if not case.release.ribs:
         yield Remedy("ribs", {"release.ribs": [{"radius": _round(HOOP * radius)}, {"spokes": SPOKES}]})
     hold = case.release.hold

@@ -30,6 +30,7 @@ from punchform.mechanics.footing import normals_of
 from punchform.mechanics.frames import State
 from punchform.mechanics.history import History, Recall
 from punchform.mechanics.kinematics import FreeFrames
+from punchform.mechanics.newton import minimise
 from punchform.mechanics.outcome import Outcome, Solution
 from punchform.optimise.equilibria import Equilibria, Landing, Rest, freed_of, press_of
 from punchform.optimise.knots import Knot, between
@@ -41,9 +42,11 @@ from punchform.solved import Solved
 from punchform.strokes import Descent
 from punchform.whole import unfold_vectors
 
-PASSES, AT_REST, NEARLY = 25, 1e-10, 1e-7
-"""Of wires that yield: how often a knot is brought nearer to its rest, the move that is none, and the largest that may
-be left [mm, rad]."""
+PASSES, AT_REST, SLOW = 40, 1e-10, 0.5
+"""Of wires that yield: how often a knot is brought nearer to its rest, the move that is none [mm, rad], and the part of
+the last move that a pass may leave at most."""
+CLOSE = 1e-15
+"""Relative decrement at which a knot is at rest that had to be solved anew."""
 
 
 @dataclass(frozen=True)
@@ -188,18 +191,20 @@ def _settling(rest: Rest, moved: Moved) -> Moved:
 
     At fixed unknowns a wire may flow that does not on the way that the grid goes: its first answer is a guess.
     """
-    last = np.inf
+    near, last = moved, np.inf
     for _ in range(PASSES):
-        z = -rest.factor.solve(moved.residual)
+        z = -rest.factor.solve(near.residual)
         size = max(rest.chart.size(z))
-        if not size < last:
+        if not size < SLOW * last:
             break
-        moved, last = moved.along(z), size
+        near, last = near.along(z), size
         if size < AT_REST:
-            break
-    if not last < NEARLY:
-        raise InputError.of("there are no tangents of this run: beside one of its numbers the grid finds another rest")
-    return moved
+            return near
+    # Sections have begun or ceased to yield: the old matrix does not know them.
+    found = minimise(moved.energy, moved.state, tolerance=CLOSE, exact=True)
+    if not found.outcome.usable:
+        raise InputError.of("there are no tangents of this run: beside one of its numbers the grid finds no rest")
+    return replace(moved, state=found.state)
 
 
 def _moved(energy: Energy, knot: Knot, state: State) -> Moved:

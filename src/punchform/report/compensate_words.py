@@ -29,6 +29,7 @@ ADVICE: dict[Name, str] = {
     "soft": "Let the wires yield: annealed wire (`wire.material`), stretched over the punch with the rim clamped "
     '(`press.rim = "clamp"`). What has flowed stays, and then the shape follows the punch, as in `packaged:stretch`.',
     "weld": 'Weld the crossings (`grid.crossing = "welded"`): the meshes then keep their corners.',
+    "pull": "Pull the wires taut over the punch and hold them so (`press.pull`), with {force} on every wire end.",
     "ribs": "Put ribs under the finished grid (`release.ribs`), such as a hoop of {radius} and eight spokes: what lies "
     "on them at the right height does not sag.",
     "hold": "Hold the finished grid further in (`release.hold`), such as from {radius} on, where the antenna allows "
@@ -38,6 +39,7 @@ ADVICE: dict[Name, str] = {
 BRIEFLY: dict[Name, str] = {
     "soft": "annealed wires and a clamped rim",
     "weld": "welded crossings",
+    "pull": "wires pulled taut",
     "ribs": "ribs",
     "hold": "holding it further in",
 }
@@ -224,14 +226,16 @@ def _better_punch(done: Compensated) -> str:
 
 def _advised(remedy: Remedy) -> str:
     left = "" if remedy.rms is None else f" Tried over the punch as it is: {size(remedy.rms, 'mm', 3)} rms."
-    return ADVICE[remedy.name].format(**_radii(remedy)) + left
+    return ADVICE[remedy.name].format(**_sizes(remedy)) + left
 
 
-def _radii(remedy: Remedy) -> dict[str, str]:
-    """The radii that a remedy names, in mm."""
+def _sizes(remedy: Remedy) -> dict[str, str]:
+    """The radius or force that a remedy names."""
     match remedy.changes:
         case {"release.ribs": [{"radius": radius}, *_]} | {"release.hold": {"from_radius": radius}}:
             return {"radius": f"{radius:g} mm"}
+        case {"press.pull": (float(force), _)}:
+            return {"force": f"{force:g} N"}
     return {}
 
 
