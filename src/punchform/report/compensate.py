@@ -37,7 +37,7 @@ def write_compensation_report(done: Compensated, folder: Path) -> None:
     lead = explained(done)
     head, *rows = solve_rows(done)
     marked = tuple(number for number, row in enumerate(rows) if row[-1] == "best")
-    table = Matrix("Presses and releases", head, tuple(rows), marked, FOLLOWS)
+    table = Matrix("Presses and releases", head, tuple(rows), marked, FOLLOWS, wide=True)
     html = render(
         done.given,
         subtitle="The punch whose released shape is the target",
