@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,9 @@ from punchform.optimise.equilibria import equilibria, why_not
 from punchform.optimise.figures import FIGURES, Deviation
 from punchform.optimise.knots import FOUR, SHORT, TWO, family, knots, slope, step_of
 from punchform.optimise.numbers import crossing_by_crossing, numbers
-from punchform.optimise.sensitivity import Seen, Sensitivity, gradients, sensitivities
+from punchform.optimise.pools import given
+from punchform.optimise.sensitivity import Seen, Sensitivity, gradients, one_by_one, sensitivities, shared
+from punchform.optimise.sweep import LOST
 from punchform.optimise.tangents import tangent_runs
 from punchform.optimise.tolerance_table import csv, result, table
 from punchform.report.sensitivity import lines, words
@@ -201,12 +204,32 @@ def test_differences_are_slopes() -> None:
     held = sensitivities(base, ["release.hold.from_radius"]).rows[0]
     assert held.how == "a step apart"
     assert held.shape is None
-    from punchform.optimise.sensitivity import _by_differences, one_by_one
+    from punchform.optimise.sensitivity import _by_differences
 
     apart = _by_differences(base.case, smooth.seen, [row.place for row in smooth.rows], ("rms", "apex"), one_by_one)
     for row in smooth.rows:
         assert apart[row.place].slopes["apex"] == pytest.approx(row.slopes["apex"], rel=2e-3)
         assert apart[row.place].shape == pytest.approx(row.shape, rel=2e-2)
+
+
+def test_complete_runs_are_shared_among_workers() -> None:
+    """The same slopes from workers as from here; a worker that dies leaves a remark."""
+    base = done("drawn in")
+    case, names = base.case, ("rms", "apex")
+    beside = [varied(case, {"wire.diameter": diameter}) for diameter in (0.79, 0.8, 0.81)]
+    here = list(one_by_one(beside, names))
+    there = list(shared(given(ThreadPoolExecutor(2)))(beside, names))
+    assert [look.figures for look in there if isinstance(look, Seen)] == [
+        look.figures for look in here if isinstance(look, Seen)
+    ]
+
+    class Dying(ThreadPoolExecutor):
+        def submit(self, *_: Any, **__: Any) -> Any:
+            future: Future[Any] = Future()
+            future.set_exception(BrokenExecutor())
+            return future
+
+    assert list(shared(given(Dying(1)))(beside, names)) == [LOST] * 3
 
 
 def test_a_tolerance_keeps_what_is_allowed() -> None:
@@ -274,6 +297,7 @@ def test_the_command_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFix
         (["--vary", "wire.material"], "is not a number"),
         (["--allowed", "5 kg"], "--allowed 5 kg"),
         (["--allowed", "-1 mm"], "must be more than 0"),
+        (["--workers", "0"], "0 workers are asked for"),
     ],
 )
 def test_bad_options_are_told(arguments: list[str], told: str, capsys: pytest.CaptureFixture[str]) -> None:

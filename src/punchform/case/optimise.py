@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal, Self
 
@@ -87,6 +88,10 @@ class ObjectiveCase(Part):
         return self.minimise or self.maximise or ""
 
 
+OF_ACCURACY = re.compile("gain_loss|rms(_(normal|axial|half_path)(_fitted)?)?")
+"""Figures that are told of a case with a target only."""
+
+
 class OptimiseCase(Part):
     """How a design is searched for."""
 
@@ -169,7 +174,7 @@ def design_findings(optimise: OptimiseCase, target: TargetCase | None, load: Loa
         *((("optimise", "constraints", name), name) for name in optimise.constraints),
     ]
     for key, name in named:
-        if target is None and ((name.startswith("rms") and name != "rms_deflection") or name == "gain_loss"):
+        if target is None and OF_ACCURACY.fullmatch(name):
             yield Finding(key, f"`{name}` is not known without a [target]", "say which shape is wanted")
         if load is None and name in ("compliance", "rms_deflection"):
             yield Finding(key, f"`{name}` is not known without a [load]", "say what acts on the grid")

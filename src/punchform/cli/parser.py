@@ -113,6 +113,9 @@ def _add_sensitivity(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--allowed", metavar="LENGTH", help="the rms that must be kept, such as '0.5 mm'; else the target's tolerance"
     )
+    command.add_argument(
+        "--workers", metavar="N", type=int, help="processes for complete runs, where they are needed; one for each core"
+    )
     command.add_argument("--overwrite", action="store_true", help="replace an earlier answer in that folder")
     command.add_argument("--quiet", action="store_true", help="no progress and no notes")
     command.add_argument("--json", dest="as_json", action="store_true", help="print result.json instead of a table")

@@ -8,11 +8,12 @@ from pathlib import Path
 from punchform.case import number, parse, read_text, write_case
 from punchform.case.parts import Quantity
 from punchform.cli.exits import Exit
+from punchform.cli.sweeping import Means, workers_of
 from punchform.cli.talk import Talk, say
 from punchform.errors import InputError
 from punchform.export.result import plain
 from punchform.optimise.figures import figure
-from punchform.optimise.sensitivity import sensitivities
+from punchform.optimise.sensitivity import sensitivities, shared
 from punchform.optimise.tolerance_table import Table, csv, result, table
 from punchform.report.sensitivity import lines, words, write_sensitivity_report
 from punchform.run import run
@@ -29,6 +30,7 @@ def sensitivity(
     of: list[str],
     vary: list[str],
     allowed: str | None,
+    workers: int | None,
     overwrite: bool,
     quiet: bool,
     as_json: bool,
@@ -49,9 +51,9 @@ def sensitivity(
         number(case, place)
     if case.target is not None and keep is None:
         keep = case.target.tolerance
-    with Talk(quiet=quiet) as talk:
+    with workers_of(Means(workers, None, quiet)) as crew, Talk(quiet=quiet) as talk:
         try:
-            found = sensitivities(run(case, observe=talk), vary or None, names=names)
+            found = sensitivities(run(case, observe=talk), vary or None, names=names, many=shared(crew))
         except InputError as error:
             raise source.placed(error) from None
     tables = tuple(table(found, name, keep) for name in names)

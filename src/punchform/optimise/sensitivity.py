@@ -8,6 +8,7 @@ radius changes crossing by crossing: there the runs are a step of the grid apart
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass
 from typing import Literal
 
@@ -18,11 +19,14 @@ from punchform.arrays import Floats
 from punchform.case import Case, number, unit, varied
 from punchform.errors import InputError, NoEquilibrium
 from punchform.forces import forces
+from punchform.mechanics.cores import at_most
 from punchform.optimise.adjoint import adjoint
 from punchform.optimise.equilibria import Equilibria, equilibria, why_not
 from punchform.optimise.figures import FIGURES, figure
 from punchform.optimise.knots import STEP, Knot, between, family, knots, slope, step_of
 from punchform.optimise.numbers import crossing_by_crossing, numbers
+from punchform.optimise.pools import Workers, stop
+from punchform.optimise.sweep import LOST
 from punchform.optimise.tangents import judged, tangents_of
 from punchform.run import Run, run
 
@@ -31,6 +35,8 @@ APART = 5e-3
 """How far complete runs are from the number on either side, as a part of it."""
 BENT = 0.2
 """A figure whose two one-sided slopes differ by more than this part of their mean is told to be far from a line."""
+FEW = 2
+"""So many complete runs are made here, whatever workers there are."""
 OF_LOADS = ("compliance", "rms_deflection")
 
 
@@ -173,6 +179,33 @@ def _figure(rest: Equilibria, name: str, knot: Knot, moved: Run) -> float:
 def one_by_one(cases: Sequence[Case], names: Sequence[str]) -> Iterator[Seen | str]:
     """Run the cases in this process, one after the other."""
     return (looked_at(case, names) for case in cases)
+
+
+def shared(workers: Workers) -> Many:
+    """Runs cases on workers, one core each; a few are sooner run here than workers begun."""
+
+    def many(cases: Sequence[Case], names: Sequence[str]) -> Iterator[Seen | str]:
+        if len(cases) <= FEW:
+            yield from one_by_one(cases, names)
+            return
+        executor = workers.open(workers.count)
+        try:
+            asked = [executor.submit(_on_one_core, case, tuple(names)) for case in cases]
+            for one in asked:
+                try:
+                    yield one.result()
+                except BrokenExecutor:
+                    yield LOST
+        finally:
+            if workers.again:
+                stop(executor)
+
+    return many
+
+
+def _on_one_core(case: Case, names: Sequence[str]) -> Seen | str:
+    with at_most(1):
+        return looked_at(case, names)
 
 
 def looked_at(case: Case, names: Sequence[str]) -> Seen | str:
