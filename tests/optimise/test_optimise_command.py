@@ -83,8 +83,9 @@ def test_several_objectives_give_a_front_and_the_folder_goes_on(
 
 def test_a_constraint_that_nothing_keeps_ends_with_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     more = SMOOTH + "constraints = { rms = { most = 0.0001 } }\nevaluations = 6\n"
-    assert main(["optimise", file_of(tmp_path, more), "-o", str(tmp_path / "found")]) == 1
+    assert main(["optimise", file_of(tmp_path, more), "-o", str(tmp_path / "found"), "--workers", "2"]) == 1
     told = capsys.readouterr()
+    assert "note: downhill goes one design after the other" in told.err
     assert "keeps all constraints" in told.out
     assert "It misses rms at most 0.0001 mm by" in told.out
     assert "note: method gradient: all variables are continuous" in told.err

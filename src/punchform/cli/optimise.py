@@ -48,6 +48,8 @@ def optimise_case(path: str, output: str, *, means: Means, overwrite: bool, as_j
             with Talk(quiet=means.quiet) as talk, _evaluates(question, record, means, way) as (ask, slopes):
                 if not means.quiet:
                     say(f"note: method {way}: {why}")
+                    if way == "gradient" and (means.workers or means.scheduler):
+                        say("note: downhill goes one design after the other, here: other workers have nothing to do")
                 found = search(question, ask, slopes=slopes, observe=_Progress(question, talk))
         except KeyboardInterrupt:
             kept = sum(not is_slopes(one) for one in record)

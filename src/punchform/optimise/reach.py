@@ -61,10 +61,9 @@ def probing(space: Space) -> Space:
 
 
 def reach_by_tangents(cases: Callable[[Floats], Case], here: Misfit, space: Space, *, step: float) -> Reach:
-    """The response around the run of `here`, of elastic wires, by its tangents: no press is needed, and what is held
-    stays the same crossings.
+    """The response around the run of `here` by its tangents: what is held stays the same crossings.
 
-    cases: from the numbers of a space of probes to the case. Raises InputError where `tangents.why_not` finds a reason.
+    cases: from the numbers of a space of probes to the case. Raises InputError where `why_not` finds a reason.
     """
     run, nudge = here.run, NUDGE * step
     assert run is not None
