@@ -140,6 +140,17 @@ def test_a_response_by_pressing_agrees_with_that_by_tangents_on_what_is_out_of_r
     assert pressed.beyond == pytest.approx(followed.beyond, abs=0.1)
 
 
+def test_the_response_of_wires_that_yield_is_that_of_presses_beside_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    wish = Wish(limits=Limits(0.02, 1), response=True)
+    followed = compensate_case(case_of(), wish).reach
+    monkeypatch.setattr(compensated, "why_not", lambda run: "asked not to")
+    pressed = compensate_case(case_of(), wish).reach
+    assert pressed is not None
+    assert followed is not None
+    assert (pressed.solves, followed.solves) == (7, 0)
+    np.testing.assert_allclose(pressed.values, followed.values, rtol=0.01)
+
+
 def test_an_aperture_as_wide_as_the_rim_is_doubted() -> None:
     wide = varied(case_of(), {"target.aperture_radius": 60.0})
     done = compensate_case(wide, Wish(limits=Limits(10.0)))
