@@ -26,7 +26,7 @@ from punchform.optimise.figures import FIGURES, Deviation
 from punchform.optimise.knots import FOUR, SHORT, TWO, family, knots, slope, step_of
 from punchform.optimise.numbers import crossing_by_crossing, numbers
 from punchform.optimise.pools import given
-from punchform.optimise.sensitivity import Seen, Sensitivity, gradients, one_by_one, sensitivities, shared
+from punchform.optimise.sensitivity import Seen, Sensitivity, gradients, one_by_one, seen, sensitivities, shared
 from punchform.optimise.sweep import LOST
 from punchform.optimise.tangents import tangent_runs
 from punchform.optimise.tolerance_table import csv, result, table
@@ -162,6 +162,25 @@ def test_reasons_against_tangents() -> None:
     assert "stages" in why_not(run(struck.model_copy(update={"load": None})))
     with pytest.raises(InputError, match="stages"):
         gradients(run(struck.model_copy(update={"load": None})), ["wire.diameter"], ["rms"])
+    plain = DISH.model_dump(exclude_unset=True)
+    plain.pop("load")
+    for stages in (({"press": {"rim": "clamp"}}, "release"), ("press", {"release": {"hold": {"from_radius": 49.0}}})):
+        assert "settings of its own" in why_not(run(Case.model_validate({**plain, "stages": stages})))
+    assert why_not(run(Case.model_validate({**plain, "stages": ("press", "release")}))) == ""
+    loose = varied(Case.model_validate(plain), {"wire.material": "304 annealed", "release.hold": "nothing"})
+    assert "nothing holds" in why_not(run(varied(loose, {"press.strokes": 2})))
+
+
+def test_frames_in_the_clamp_lie_as_the_flat_grid_does() -> None:
+    """On a punch whose correction rings a little beyond the rim: the slope by the step is that of complete runs."""
+    bumps = [["0 mm", "0.3 mm"], ["30 mm", "0.2 mm"], ["50 mm", "0.01 mm"], ["60 mm", "0 mm"], ["70 mm", "0 mm"]]
+    corrected = {"press.rim": "clamp", "punch.correction": {"kind": "radial", "points": bumps}}
+    base = run(varied(DISH.model_copy(update={"load": None}), corrected))
+    found = gradients(base, ["grid.step"], ["rms", "energy"])
+    runs, step = solved(base.case, "grid.step")
+    assert found["rms"]["grid.step"] == pytest.approx(float(slope([rms(one) for one in runs], step)), rel=1e-5)
+    energies = [one.formed.energy for one in runs]
+    assert found["energy"]["grid.step"] == pytest.approx(float(slope(energies, step)), rel=1e-5)
 
 
 @pytest.mark.parametrize("changes", [{"press.rim": "clamp", "press.strokes": 4}, {"press.strokes": 3}])
@@ -210,6 +229,10 @@ def test_differences_are_slopes() -> None:
     for row in smooth.rows:
         assert apart[row.place].slopes["apex"] == pytest.approx(row.slopes["apex"], rel=2e-3)
         assert apart[row.place].shape == pytest.approx(row.shape, rel=2e-2)
+    tapered = run(varied(base.case, {"target.taper": 12.0}))
+    one = sensitivities(tapered, ["punch.profile.focal_length"]).rows[0]
+    other = _by_differences(tapered.case, seen(tapered, ("rms",)), [one.place], ("rms",), one_by_one)[one.place]
+    assert other.shape == pytest.approx(one.shape, rel=2e-2)
 
 
 def test_complete_runs_are_shared_among_workers() -> None:
@@ -257,10 +280,10 @@ def test_the_table_begins_with_what_matters() -> None:
     assert not told.compensated
     assert "Without effect: " in words(told)[-1]
     assert "wire.youngs_modulus" in words(told)[-1]
-    together = [
-        row.together / row.alone for row in told.rows if row.alone and row.together and math.isfinite(row.alone)
-    ]
-    assert together == pytest.approx([together[0]] * len(together))
+    real = [row for row in told.rows if row.alone is not None and math.isfinite(row.alone)]
+    assert all(row.shape for row in real)
+    assert {row.of.place for row in real}.isdisjoint({"wire.youngs_modulus", "wire.density"})
+    assert all(row.together == pytest.approx((row.alone or 0.0) / math.sqrt(len(real))) for row in real)
     beyond = table(found, "rms", 0.1)
     assert beyond.compensated
     assert any("punchform compensate" in sentence for sentence in words(beyond))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from punchform.case import number, parse, read_text, write_case
+from punchform.case import Case, number, parse, read_text, write_case
 from punchform.case.parts import Quantity
 from punchform.cli.exits import Exit
 from punchform.cli.sweeping import Means, workers_of
@@ -46,7 +46,7 @@ def sensitivity(
         check_folder(output, overwrite=overwrite)
     names, keep = tuple(dict.fromkeys(of)) or ("rms",), _allowed(allowed)
     for name in names:
-        figure(name)
+        _demand_known(name, case)
     for place in vary:
         number(case, place)
     if case.target is not None and keep is None:
@@ -80,6 +80,15 @@ def text(tables: tuple[Table, ...]) -> str:
     for one in tables:
         parts += ["", *lines(one), "", *(f"  {sentence}" for sentence in words(one))]
     return "\n".join(parts)
+
+
+def _demand_known(name: str, case: Case) -> None:
+    if figure(name).deviation is not None and case.target is None:
+        raise InputError.of(
+            f"`{name}` is not known without a [target]",
+            where="target",
+            hint="say which shape is wanted, or ask for another figure, such as --of max_shear",
+        )
 
 
 def _allowed(given: str | None) -> float | None:

@@ -58,7 +58,7 @@ def tolerances_of(
     replace_file(folder / RESULT, text)
     write_tolerances_report(case, found, folder)
     if not means.quiet:
-        for note in notes(found):
+        for note in notes(found, case):
             say(f"note: {note}")
     print(text.rstrip() if as_json else summary(case, found, folder))
     return Exit.DONE
@@ -75,7 +75,8 @@ def summary(case: Case, found: Tolerances, folder: Path) -> str:
         f"({found.within} of {found.samples}; {100 * found.low:.1f} to {100 * found.high:.1f} % with 95 % confidence)",
     }
     for number, one in enumerate(found.influences, start=1):
-        facts[f"influence {number}"] = f"{one.place}: {100 * one.share:.0f} % of the variance, slope {one.slope:+.2f}"
+        told = f"{100 * one.share:.0f} % of the variance, standardised slope {one.slope:+.2f}"
+        facts[f"influence {number}"] = f"{one.place}: {told}"
     facts["report"] = str(folder / "report.html")
     width = max(map(len, facts))
     return "\n".join([case.title, *(f"  {name:<{width}}  {fact}" for name, fact in facts.items())])

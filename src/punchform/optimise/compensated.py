@@ -9,10 +9,11 @@ import numpy as np
 
 from punchform.arrays import Floats
 from punchform.case import Case, varied
-from punchform.errors import NoEquilibrium
+from punchform.errors import InputError, NoEquilibrium
 from punchform.optimise.compensation import Compensation, Ending, Limits, compensate
 from punchform.optimise.correction_space import KINDS, Kind, Space, numbers_of, space
 from punchform.optimise.equilibria import why_not
+from punchform.optimise.figures import in_its_tool
 from punchform.optimise.misfit import Misfit, misfit
 from punchform.optimise.reach import Reach, probing, reach, reach_by_tangents
 from punchform.optimise.remedies import Remedy, tried
@@ -108,7 +109,7 @@ def compensate_case(case: Case, wish: Wish, *, observe: Observer = silent) -> Co
         reach=measured,
         remedies=tried(case, observe=observe) if explained else (),
         given=case,
-        case=job.case(asked, found.best.numbers),
+        case=case if found.best is found.first else job.case(asked, found.best.numbers),
         other_cases={kind: job.case(one.space, one.best.numbers) for kind, one in others.items()},
         tolerance=tolerance,
         notes=(),
@@ -122,6 +123,12 @@ class _Job:
     def __init__(self, case: Case, observe: Observer) -> None:
         self._case, self._observe = case, observe
         self._base: Revolution = uncorrected(case.tool)
+        if in_its_tool(case):
+            raise InputError.of(
+                "is missing: a grid in its tool has not sprung back, so there is nothing to answer",
+                where="release",
+                hint="say in [release] what is held when the punch has gone",
+            )
         if case.target is None:
             # The message on what is missing, before anything is built.
             space(case, "field", nodes=0, mirrored=True)
@@ -201,8 +208,6 @@ def _doubts(done: Compensated) -> Iterator[str]:
             f"up to {target.aperture_radius:g} mm: its outermost ring is hardly corrected; give the punch a wider rim"
         )
     runs = [one.misfit.run for one in done.found.solves if one.misfit is not None]
-    if any(one is not None and one.released is None for one in runs):
-        yield "the case has no [release]: this is the grid in its tool, where nothing has sprung back yet"
     held = [one.released.hold.count for one in runs if one is not None and one.released is not None]
     if len(set(held)) > 1:
         yield (

@@ -17,6 +17,8 @@ ENOUGH = 1e-6
 NORMS = ("rms", "gain_loss")
 """Figures with a kink at their zero, or none: the square of an rms is as smooth as what it is made of."""
 BAD = 10.0
+BOTTOM = "no way further down"
+"""How a search downhill ends that has found a minimum."""
 
 
 class _Hill:
@@ -123,4 +125,4 @@ def downhill(asking: Asking, start: Floats, slopes: Slopes | None = None) -> str
         )
     except SpentError:
         return "all evaluations are spent"
-    return "no way further down" if done.success else f"SLSQP: {done.message}"
+    return BOTTOM if done.success else f"SLSQP: {done.message}"

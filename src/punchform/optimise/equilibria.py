@@ -91,6 +91,10 @@ def why_not(run: Run) -> str:
         return "the descent ends before the minimum"
     if kinds != ["press", "release", "load"][: len(kinds)]:
         return "the grid goes through stages other than one press, one release and one load"
+    if any(stage.settings != getattr(case, stage.kind) for stage in run.stages):
+        return "a stage has settings of its own"
+    if released is not None and not released.hold.count and case.wire.yields:
+        return "nothing holds the released grid, which keeps what has flowed and may lie anywhere"
     if released is not None and released.grid.nodes != run.formed.grid.nodes:
         return "the release leaves the mirror planes of the press"
     if released is not None and released.hold.count and freed_of(run, prepare(case), released.state).kinematics.pins:

@@ -59,6 +59,13 @@ def figure(name: str) -> Figure:
     return FIGURES[name]
 
 
+def in_its_tool(case: Case) -> tuple[str, ...]:
+    """What to know of figures of accuracy where the grid is not let go; nothing where it is."""
+    if case.target is None or any(step.kind == "release" for step in case.steps):
+        return ()
+    return ("the case has no [release]: this is the grid in its tool, where nothing has sprung back yet",)
+
+
 def gain_loss(run: Run, *, frequency: float) -> float | None:
     """Loss of gain [dB] at a frequency [GHz] by the half-path error after the best fit, Eq. (9.19)."""
     from punchform.antenna import SPEED_OF_LIGHT

@@ -26,6 +26,7 @@ STEP, SHORT = 2e-4, 4e-5
 along the punch: at the edge of the fillet, where the curvature jumps, figures have a kink."""
 MOVING = ("grid.step", "punch.")
 
+CRIMP = "wire.centreline.height"
 Family = Callable[[float], Case]
 """The case at a value of a setting, as a change of it from its own value."""
 
@@ -46,7 +47,9 @@ class Knot:
 def family(case: Case, place: str) -> Family:
     """The cases with other values of the number at a place. Raises InputError when there is none."""
     value = number(case, place)
-    return lambda change: varied(case, {place: value + change})
+    # A written case has the height of the crimp twice.
+    twice = place == CRIMP and "height" in case.wire.model_fields_set
+    return lambda change: varied(case, {place: value + change} | ({"wire.height": value + change} if twice else {}))
 
 
 def knots(ready: Prepared, cases: Family, step: float) -> tuple[Knot, ...]:

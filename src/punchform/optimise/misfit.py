@@ -46,19 +46,21 @@ class Misfit:
 
     def answer(self, space: Space) -> Floats:
         """The numbers (k,) whose shape is that of the error: a light least squares, Eq. (13.4)."""
-        return self._fit(space, self.error)
+        return self._fit(space, self.error, self.weights)
 
     def left(self, space: Space) -> float:
-        """The rms deviation [mm] that would be left if the shape followed a punch of this space one to one."""
-        over = self.deviation - self.shapes(space) @ self.answer(space)
-        return float(np.sqrt(self.judged @ over**2))
+        """The rms deviation [mm] that would be left if the shape followed a punch of this space one to one: of what is
+        judged, in the measure that is."""
+        over = self.deviation - self.shapes(space) @ self._fit(space, self.deviation, self.judged)
+        whole, rest = (float(np.sqrt(self.judged @ values**2)) for values in (self.deviation, over))
+        return rest * (self.rms / whole if whole > 0 else 1.0)
 
-    def _fit(self, space: Space, values: Floats) -> Floats:
+    def _fit(self, space: Space, values: Floats, weights: Floats) -> Floats:
         shapes = self.shapes(space)
-        normal = shapes.T @ (self.weights[:, None] * shapes)
+        normal = shapes.T @ (weights[:, None] * shapes)
         degrees = np.array([term.n for term in space.terms], dtype=np.float64)
         light = LIGHT * np.trace(normal) / len(normal) * np.diag(1.0 + degrees**2)
-        return np.asarray(np.linalg.solve(normal + light, shapes.T @ (self.weights * values)))
+        return np.asarray(np.linalg.solve(normal + light, shapes.T @ (weights * values)))
 
 
 def misfit(run: Run, base: Revolution, space: Space) -> Misfit:

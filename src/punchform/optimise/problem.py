@@ -146,6 +146,9 @@ def question_of(case: Case) -> Question:
         cost = None if asked.cost is None else rule(asked.cost, _names(plain), where="optimise.cost")
     except InputError as error:
         problems += error.problems
+    if cost is not None and "gain_loss" in cost.names and asked.frequency is None:
+        told = "is missing: `gain_loss` in the cost needs it"
+        problems.append(Problem(told, "optimise.frequency", "write frequency = 10.0, say"))
     if problems:
         raise InputError(problems)
     objectives = tuple(Objective(one.figure, 1.0 if one.maximise is None else -1.0) for one in asked.objectives)

@@ -12,10 +12,7 @@ from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
 from punchform.accuracy import Judged
-from punchform.arrays import Floats
 from punchform.case import Case, number, unit, varied
 from punchform.errors import InputError, NoEquilibrium
 from punchform.forces import forces
@@ -42,10 +39,11 @@ OF_LOADS = ("compliance", "rms_deflection")
 
 @dataclass(frozen=True)
 class Seen:
-    """What is read of a run: its figures, the deviations (n,) of the judged nodes [mm], and which nodes these are."""
+    """What is read of a run: its figures, the deviations (n,) of the judged nodes [mm] with their weights, and which
+    nodes these are."""
 
     figures: Mapping[str, float | None]
-    deviations: Floats | None
+    deviations: Judged | None
     judged: tuple[tuple[int, int], ...]
 
 
@@ -225,7 +223,8 @@ def seen(done: Run, names: Sequence[str]) -> Seen:
     judge, mask = accuracy.judge, accuracy.mask
     aligned = accuracy.as_held if judge.alignment == "as held" else accuracy.fitted
     index = done.final.whole.index[mask].tolist()
-    return Seen(found, aligned.deviations.of(judge.measure)[mask], tuple((i, j) for i, j in index))
+    deviations = Judged(aligned.deviations.of(judge.measure)[mask], accuracy.weights[mask])
+    return Seen(found, deviations, tuple((i, j) for i, j in index))
 
 
 def _by_tangents(rest: Equilibria, places: Sequence[str], names: Sequence[str]) -> dict[str, Sensitivity]:
@@ -333,13 +332,25 @@ def _between(case: Case, place: str, apart: float, looks: tuple[Seen, Seen, Seen
     same = below.judged == here.judged == above.judged
     remark = "crossings come and go between the runs" if not same else ""
     if how == "a step apart":
-        remark = "held crossings change one by one"
+        remark = f"held crossings change one by one: {_stepped(looks)}"
     elif bent and same:
         remark = f"{', '.join(bent)} not a line between the runs"
     shape = None
-    if same and how == "differences" and below.deviations is not None and above.deviations is not None:
-        shape = float(np.sqrt(np.mean(((above.deviations - below.deviations) / (2 * apart)) ** 2)))
+    known = below.deviations, here.deviations, above.deviations
+    if same and how == "differences" and all(one is not None for one in known):
+        low_side, middle_one, high_side = (one for one in known if one is not None)
+        rate = (high_side.deviations - low_side.deviations) / (2 * apart)
+        shape = Judged(rate, middle_one.weights).rms
     return Sensitivity(place, number(case, place), unit(case, place), slopes, shape, how, remark)
+
+
+def _stepped(looks: tuple[Seen, Seen, Seen]) -> str:
+    """What a step of the grid less and more does to the first figure that is known."""
+    for name, middle in looks[1].figures.items():
+        low, high = looks[0].figures[name], looks[2].figures[name]
+        if low is not None and high is not None and middle is not None:
+            return f"{name} {low - middle:+.3g} with one step less, {high - middle:+.3g} with one more"
+    return "no figure is known"
 
 
 def _unknown(case: Case, place: str, names: Sequence[str], how: How, remark: str) -> Sensitivity:

@@ -39,6 +39,7 @@ from punchform.punch import lowered, project
 from punchform.release import Released, released_by
 from punchform.run import Run, Stage
 from punchform.solved import Solved
+from punchform.start import flat_start
 from punchform.strokes import Descent
 from punchform.whole import unfold_vectors
 
@@ -140,13 +141,17 @@ def pressed_at(rest: Equilibria, here: Rest, landing: Landing, knot: Knot, past:
     assert isinstance(old, FreeFrames | Differences)
     assert old.surface is not None
     kinematics = replace(old, grid=knot.grid, surface=tool)
-    positions = state.positions.copy()
-    positions[old.held, :2] += (knot.grid.flat - rest.ready.grid.flat)[old.held]
-    free = ~old.held
+    positions, normals_, tangents = (part.copy() for part in (state.positions, state.normals, state.tangents))
+    free, held = ~old.held, old.held
+    if held.any():
+        # The clamp holds the frames that it took in the first stroke.
+        positions[held] = flat_start(knot.grid, tool).positions[held]
+        taken = flat_start(knot.grid, lowered(knot.punch, rest.trail[0].share))
+        normals_[held], tangents[held] = taken.normals[held], taken.tangents[held]
     normals = normals_of(old.surface.gap(state.positions[free]))
     positions[free] = project(tool, positions[free], normals)
     foreseen = None if past is None else past.foreseen(landing.times)
-    moved = _moved(here.energy, knot, replace(state, positions=positions, history=foreseen))
+    moved = _moved(here.energy, knot, State(positions, normals_, tangents, foreseen))
     # Where frames follow from the positions, the chart has them.
     followed_ = replace(kinematics.chart(moved.state).state, history=foreseen)
     return Moved(replace(moved.energy, kinematics=kinematics), followed_)

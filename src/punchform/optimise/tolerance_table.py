@@ -11,6 +11,8 @@ from punchform.optimise.figures import FIGURES
 from punchform.optimise.sensitivity import Sensitivities, Sensitivity
 
 PER_CENT = 0.01
+UNVARIED = "cannot vary"
+"""How the remark on a number begins that can have no other value."""
 NEGLIGIBLE = 1e-9
 """An effect below this part of the largest one is none but rounding."""
 
@@ -19,7 +21,7 @@ NEGLIGIBLE = 1e-9
 class Row:
     """One number as the tables tell it.
 
-    effect: change of the figure, in its unit, by one per cent of the number, None where that is not known; shape: rms
+    effect: change of the figure, in its unit, by one per cent of the number, None where there is no slope; shape: rms
     of the move of the judged nodes by that [mm]; alone: how far the number may be off, to either side, if nothing else
     is; together: if all numbers with an effect are off at random; in the unit of the number, infinite without effect.
     """
@@ -56,10 +58,15 @@ def table(whole: Sensitivities, figure: str, allowed: float | None) -> Table:
     rms = whole.seen.figures["rms"]
     beyond = rms is not None and allowed is not None and rms >= allowed
     kept = None if rms is None or allowed is None else (0.0 if beyond else rms, allowed)
-    limits = [None if kept is None else one.tolerance(*kept) for one in whole.rows]
-    share = math.sqrt(max(sum(limit is not None and math.isfinite(limit) for limit in limits), 1))
-    effects = _cleared([_by_per_cent(one, one.slopes.get(figure)) for one in whole.rows])
     shapes = _cleared([_by_per_cent(one, one.shape) for one in whole.rows])
+    limits = [
+        None if kept is None else math.inf if shape == 0.0 else one.tolerance(*kept)
+        for one, shape in zip(whole.rows, shapes, strict=True)
+    ]
+    share = math.sqrt(max(sum(limit is not None and math.isfinite(limit) for limit in limits), 1))
+    effects = _cleared(
+        [None if one.how == "a step apart" else _by_per_cent(one, one.slopes.get(figure)) for one in whole.rows]
+    )
     rows = [
         Row(one, effect, shape, limit, None if limit is None else limit / share)
         for one, effect, shape, limit in zip(whole.rows, effects, shapes, limits, strict=True)
@@ -140,5 +147,5 @@ def without_effect(of: Table) -> tuple[str, ...]:
 
 
 def shown(of: Table) -> Iterator[Row]:
-    """The rows that matter or are not known."""
-    return (row for row in of.rows if row.matters or row.effect is None)
+    """The rows that matter or are not known, without those that cannot vary."""
+    return (row for row in of.rows if row.matters or (row.effect is None and not row.of.remark.startswith(UNVARIED)))

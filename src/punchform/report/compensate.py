@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from punchform.optimise.compensated import Compensated
 
 Draw = Callable[["Compensated"], Figure]
+FIRST_GUESS = "First guess, if the shape followed the punch one to one"
 FOLLOWS = "Follows: which part of the last change of the punch the released shape has taken."
 
 
@@ -46,7 +47,7 @@ def write_compensation_report(done: Compensated, folder: Path) -> None:
         advice=remedies(done),
         verdict=lead[1:],
         sections=(Section("compensation", "How it went", matrices=(table,)),),
-        results=(("The punch", _punch_rows(done)), ("If the shape followed the punch one to one", _floor_rows(done))),
+        results=(("The punch", _punch_rows(done)), (FIRST_GUESS, _floor_rows(done))),
         details_title="Search",
         details=(("Search", _search_rows(done)), *((("Reach", _reach_rows(done)),) if done.reach else ())),
         images=_draw(done, folder / FIGURES),

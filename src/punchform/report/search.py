@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from punchform.case import Case
 from punchform.optimise.asking import Answer
+from punchform.optimise.downhill import BOTTOM
 from punchform.optimise.problem import Question, unit_of
 from punchform.optimise.search import Found
 from punchform.optimise.search_folder import BEST, DESIGNS, FRONT, TABLE, front_name
@@ -28,7 +29,7 @@ def write_search_report(found: Found, case: Case, folder: Path) -> None:
     html = render(
         case,
         subtitle="A search for the best design",
-        good=found.best.allowed,
+        good=found.best.allowed and not _out_of_tolerance(found),
         verdict=sentences(found),
         sections=(Section("front", "The front", matrices=(_front(found),)),) if several(found) else (),
         results=(("The compromise" if several(found) else "The best design", _best_rows(found)),),
@@ -49,7 +50,18 @@ def several(found: Found) -> bool:
 
 def sentences(found: Found) -> tuple[str, ...]:
     """What a person wants to hear first: what is best, which constraints bind, what limits. No HTML."""
-    return (*_what(found), *_limits(found))
+    return (*_what(found), *_out_of_tolerance(found), *_limits(found))
+
+
+def _out_of_tolerance(found: Found) -> tuple[str, ...]:
+    """That the best design does not keep the tolerance of the target, which no constraint asked for."""
+    target, rms = found.question.case.target, found.best.evaluation.figures.get("rms")
+    if target is None or rms is None or rms <= target.tolerance:
+        return ()
+    return (
+        f"It is out of the {size(target.tolerance, 'mm')} of [target] with {size(rms, 'mm')} rms: compensate its punch "
+        f"(`punchform compensate`), or write constraints = {{ rms = {{ most = {target.tolerance:g} }} }}.",
+    )
 
 
 def settings_words(question: Question, answer: Answer) -> str:
@@ -113,7 +125,7 @@ def _limits(found: Found) -> tuple[str, ...]:
         words.append(f"What holds {which} back: {', '.join(found.binding)}.")
     for place, end in found.at_end:
         words.append(f"{place} is at the {end} value of its range in {which}: a wider range might do better.")
-    if found.best.allowed and not words and found.way == "gradient":
+    if found.best.allowed and not words and found.ended == BOTTOM:
         words.append("No constraint binds and no range ends there: only other variables can do better nearby.")
     return tuple(words)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from punchform.optimise.figures import FIGURES
+from punchform.optimise.figures import FIGURES, in_its_tool
 from punchform.optimise.tolerance_table import Row, Table, shown, without_effect
 from punchform.report.figures.picture import Picture
 from punchform.report.figures.style import save
@@ -20,11 +20,6 @@ from punchform.run import Run
 
 UNCRITICAL = 0.5
 """A number that may be off by this part of itself needs no tolerance; a slope says nothing so far away."""
-HOW = {
-    "tangent": "tangent",
-    "differences": "two runs",
-    "a step apart": "two runs, a step of the grid apart",
-}
 
 
 def write_sensitivity_report(tables: tuple[Table, ...], folder: Path) -> None:
@@ -70,17 +65,21 @@ def words(table: Table) -> tuple[str, ...]:
         first, unit = ranked[0], FIGURES[table.figure].unit
         step = _amount(0.01 * first.of.value, first)
         change = f"{_signed(first.effect or 0.0)} {unit}".rstrip()
-        told.append(f"{table.figure} depends most on {first.of.place}: 1 % more of it ({step}) changes it by {change}.")
+        more = f"1 % more of it ({step}) changes it by {change}"
+        told.append(f"The figure {table.figure} depends most on {first.of.place}: {more}.")
     if table.rms is None or table.allowed is None:
         told.append("The case has no [target], so no tolerances follow.")
     elif table.compensated:
         told.append(
             f"The rms of {size(table.rms, 'mm')} is beyond the {size(table.allowed, 'mm')} that is allowed, whatever "
-            "the tolerances: first bring the shape in (`punchform compensate`). The tolerances here hold once that is "
-            "done."
+            "the tolerances: first bring the shape in (`punchform compensate`). The tolerances here are those of a "
+            "punch that is compensated until next to nothing is left; of its `case.toml` those that remain are told."
         )
     else:
         told += _tightest(table, table.rms, table.allowed)
+    if table.rms is not None and table.rms < max((row.shape or 0.0 for row in table.rows), default=0.0):
+        told.append("The rms is so small that it has no slope; how far 1 % moves the shape says what a number does.")
+    told += [f"{sentence[0].upper()}{sentence[1:]}." for sentence in in_its_tool(table.whole.case)]
     idle = without_effect(table)
     if idle:
         told.append(f"Without effect: {', '.join(idle)}.")
@@ -109,7 +108,7 @@ def lines(table: Table) -> list[str]:
     heads = ("number", "value", f"{table.figure} by +1 %" + (f" [{unit}]" if unit else ""), "", "may be off by", "")
     cells = [heads]
     for row in rows:
-        effect = "not known" if row.effect is None else _signed(row.effect)
+        effect = _effect(row)
         bar = ("+" if (row.effect or 0.0) > 0 else "-") * round(24 * abs(row.effect or 0.0) / most)
         cells.append((row.of.place, _amount(row.of.value, row), effect, bar, _off(row.alone, row), row.of.remark))
     widths = [max(len(line[column]) for line in cells) for column in range(5)]
@@ -123,17 +122,16 @@ def _matrix(table: Table) -> Matrix:
     unit = FIGURES[table.figure].unit
     head = (
         "number", "value", f"change by +1 %{f' [{unit}]' if unit else ''}", "shape by 1 % [mm]",
-        "may be off by, alone", "with all others off", "found by",
+        "may be off by, alone", "with all others off",
     )  # fmt: skip
     rows = tuple(
         (
             row.of.place,
             _amount(row.of.value, row),
-            "not known" if row.effect is None else _signed(row.effect),
+            _effect(row),
             "not known" if row.shape is None else f"{row.shape:.3g}",
             _off(row.alone, row),
             _off(row.together, row),
-            HOW[row.of.how],
         )
         for row in shown(table)
     )
@@ -154,6 +152,12 @@ def _effort(table: Table) -> tuple[tuple[str, str], ...]:
 
 def _remarks(table: Table) -> tuple[str, ...]:
     return tuple(f"{row.of.place}: {row.of.remark}" for row in table.rows if row.of.remark)
+
+
+def _effect(row: Row) -> str:
+    if row.effect is not None:
+        return _signed(row.effect)
+    return "in steps" if row.of.how == "a step apart" else "not known"
 
 
 def _off(value: float | None, row: Row) -> str:

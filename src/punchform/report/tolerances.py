@@ -9,6 +9,7 @@ from typing import Any
 from punchform import __version__
 from punchform.case import Case
 from punchform.case.scattering import Scattered, scattered
+from punchform.optimise.figures import in_its_tool
 from punchform.optimise.tolerances import CONFIDENCE, Tolerances
 from punchform.report.figures.picture import Picture
 from punchform.report.figures.style import save
@@ -56,20 +57,31 @@ def write_tolerances_report(case: Case, found: Tolerances, folder: Path) -> None
         case,
         subtitle="What the scatter of wire, grid and tool does to the accuracy of the shape",
         good=found.nominal is not None and found.nominal <= found.tolerance and found.low >= 0.5,
-        verdict=_verdict(found),
+        verdict=(*_beyond(found), *_verdict(found)),
         results=(("The rms deviation", _rms_rows(found)), ("What varies", _scatter_rows(scattered(case)))),
         details_title="What matters most",
         details=(("Share of the variance of the rms", _influence_rows(found)),),
         images=_draw(found, folder / FIGURES),
-        notes=notes(found),
+        notes=notes(found, case),
         beside="table.csv (one row for each sample), record.jsonl, result.json, case.toml",
     )
     (folder / PAGE).write_text(html, encoding="utf-8", newline="\n")
 
 
-def notes(found: Tolerances) -> tuple[str, ...]:
+def _beyond(found: Tolerances) -> tuple[str, ...]:
+    """That the scatter is not the trouble where the nominal case is out of tolerance itself."""
+    if found.nominal is None or found.nominal <= found.tolerance:
+        return ()
+    return (
+        f"The nominal case, with {size(found.nominal, 'mm')} rms, is beyond the tolerance of "
+        f"{size(found.tolerance, 'mm')} before anything varies: compensate its punch first (`punchform compensate`).",
+    )
+
+
+def notes(found: Tolerances, case: Case) -> tuple[str, ...]:
     """What to beware of."""
-    told = [f"{count} of {found.samples} samples failed: {message}" for message, count in found.failures.items()]
+    told = [*in_its_tool(case), *(sentence[0].lower() + sentence[1:].rstrip(".") for sentence in _beyond(found))]
+    told += [f"{count} of {found.samples} samples failed: {message}" for message, count in found.failures.items()]
     if found.held_otherwise:
         told.append(
             f"{found.held_otherwise} of {found.samples} samples hold other crossings than the nominal case, so their "

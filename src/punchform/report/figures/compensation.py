@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from punchform.arrays import Floats
+from punchform.optimise.compensation import Ending
 from punchform.report.compensate_words import NAMES, all_found
 from punchform.report.figures.style import (
     ACCENT,
@@ -47,7 +48,7 @@ SECTIONS = (0.0, 22.5, 45.0)
 
 
 def draw_convergence(done: Compensated) -> Figure:
-    """The rms of every solve on a logarithmic scale, the floors as ticks at the right, the tolerance as a line."""
+    """The rms of every solve on a logarithmic scale, the floors dotted, the tolerance as a line."""
     figure = new_figure(*HALF)
     axes = figure.add_axes((0.14, 0.12, 0.83, 0.78))
     most = 0
@@ -62,13 +63,13 @@ def draw_convergence(done: Compensated) -> Figure:
         for one in found.solves:
             if one.misfit is None:
                 axes.axvline(before + one.number, color=ink, linewidth=0.8, linestyle=":", zorder=1)
-        if done.moved:
+        if done.moved and found.ending is not Ending.UNMOVED:
             axes.axhline(found.floor, color=ink, linewidth=0.7, linestyle=":", zorder=2)
     if done.tolerance is not None:
         axes.axhline(done.tolerance, color=INK, linewidth=1.0, zorder=3)
         axes.annotate(
-            "asked for", (1.0, done.tolerance), xycoords=("axes fraction", "data"), xytext=(-3, 3),
-            textcoords="offset points", fontsize=TEXT - 1, color=INK, ha="right",
+            f"asked for: {done.tolerance:g} mm", (0.0, done.tolerance), xycoords=("axes fraction", "data"),
+            xytext=(4, 3), textcoords="offset points", fontsize=TEXT - 1, color=INK, ha="left",
         )  # fmt: skip
     axes.set_yscale("log")
     axes.set_xlim(0.7, most + 0.3 if most > 1 else 1.6)
