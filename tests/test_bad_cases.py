@@ -232,6 +232,12 @@ TABLE: list[tuple[str, str, str, str]] = [
     ),
     (
         MODULUS,
+        MODULUS + "\nhardening = { kind = 'table', file = 'comma.csv' }",
+        "11: wire.hardening.file: line 2 of comma.csv has semicolons and commas",
+        "decimals with a point",
+    ),
+    (
+        MODULUS,
         MODULUS + "\nhardening = { kind = 'tensile', points = [[0, 0], [1, 2], [2, 3]] }",
         "11: wire.hardening.points: a tensile test needs at least 5 rows",
         "",
@@ -770,6 +776,7 @@ TABLE: list[tuple[str, str, str, str]] = [
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     (tmp_path / "bad.csv").write_text("rho, z\n0, zero\n", encoding="utf-8")
+    (tmp_path / "comma.csv").write_text("strain;stress\n0;300,5\n0,1;400\n", encoding="utf-8")
     (tmp_path / "empty.csv").write_text("# nothing\n", encoding="utf-8")
     return tmp_path
 

@@ -49,6 +49,13 @@ def _rows(path: Path) -> list[list[float]]:
                 key=("file",),
                 hint="write bare numbers (mm, MPa), separated by commas; the first row may hold names",
             ) from None
+        if {",", ";"} <= set(line.split("#")[0]):
+            raise MisfitError(
+                f"line {number} of {path.name} has semicolons and commas, so its numbers are not sure: "
+                f"'{line.strip()[:60]}'",
+                key=("file",),
+                hint="write decimals with a point, and only one kind of sign between the numbers",
+            )
         if not all(math.isfinite(value) for value in row):
             raise MisfitError(f"line {number} of {path.name} has a number that is not finite", key=("file",))
         rows.append(row)
