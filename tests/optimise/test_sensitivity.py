@@ -24,9 +24,10 @@ from punchform.optimise.adjoint import adjoint
 from punchform.optimise.equilibria import equilibria, why_not
 from punchform.optimise.figures import FIGURES, Deviation
 from punchform.optimise.knots import FOUR, SHORT, TWO, family, knots, slope, step_of
+from punchform.optimise.looks import Seen, one_by_one, seen, shared
 from punchform.optimise.numbers import crossing_by_crossing, numbers
 from punchform.optimise.pools import given
-from punchform.optimise.sensitivity import Seen, Sensitivity, gradients, one_by_one, seen, sensitivities, shared
+from punchform.optimise.sensitivity import Sensitivity, gradients, sensitivities
 from punchform.optimise.sweep import LOST
 from punchform.optimise.tangents import tangent_runs
 from punchform.optimise.tolerance_table import csv, result, table

@@ -13,7 +13,8 @@ from punchform.cli.talk import Talk, say
 from punchform.errors import InputError
 from punchform.export.result import plain
 from punchform.optimise.figures import figure
-from punchform.optimise.sensitivity import sensitivities, shared
+from punchform.optimise.looks import shared
+from punchform.optimise.sensitivity import sensitivities
 from punchform.optimise.tolerance_table import Table, csv, result, table
 from punchform.report.sensitivity import lines, words, write_sensitivity_report
 from punchform.run import run
