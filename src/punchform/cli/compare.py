@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from pathlib import Path
 from typing import Literal
@@ -11,6 +10,7 @@ import numpy as np
 
 from punchform.case import Case, read_case
 from punchform.cli.exits import Exit
+from punchform.cli.lengths import length_above_zero
 from punchform.cli.talk import say
 from punchform.errors import InputError
 from punchform.export.compare import COMPARISON, POINTS, comparison_json, mark_json, points_csv
@@ -18,7 +18,7 @@ from punchform.measured import Comparison, Predicted, Wish, compare, read_cloud
 from punchform.report.compare import alignment_words, motion_words, write_comparison_report
 from punchform.report.words import size
 from punchform.store import CASE, RESULT, check_folder, read_run, write_folder
-from punchform.units import ANGLE, LENGTH, UnitError, quantity
+from punchform.units import ANGLE, UnitError, quantity
 
 
 def compare_points(
@@ -47,7 +47,7 @@ def compare_points(
     check_folder(output, overwrite=overwrite)
     _fits_alignment(align, fit_to=fit_to, rim_points=rim_points, clock=clock)
     wish = Wish(align, fit_to, rim_points, _clock(clock), drop_outliers)
-    limit = _tolerance(tolerance)
+    limit = length_above_zero("--tolerance", tolerance, hint="such as '0.5 mm'", refusal="a tolerance is above zero")
     case, predicted = read_predicted(run)
     cloud = read_cloud(points, unit=units, skip_bad_rows=skip_bad_rows)
     done = compare(case, predicted, cloud, wish, tolerance=limit)
@@ -156,15 +156,3 @@ def _clock(text: str | None) -> tuple[str, float] | None:
         return name.strip(), quantity(angle, ANGLE)
     except UnitError as problem:
         raise InputError.of(str(problem), where=f"--clock {text}", hint="such as --clock 'P7=90 deg'") from problem
-
-
-def _tolerance(text: str | None) -> float | None:
-    if text is None:
-        return None
-    try:
-        value = quantity(text, LENGTH)
-    except UnitError as problem:
-        raise InputError.of(str(problem), where=f"--tolerance {text}", hint="such as '0.5 mm'") from problem
-    if not (math.isfinite(value) and value > 0):
-        raise InputError.of("a tolerance is above zero", where=f"--tolerance {text}")
-    return value

@@ -9,6 +9,7 @@ import numpy as np
 
 from punchform.case import Case, parse, read_text, write_case
 from punchform.cli.exits import Exit
+from punchform.cli.lengths import length_above_zero
 from punchform.cli.talk import Talk, say
 from punchform.errors import InputError
 from punchform.export.punch_files import write_punch
@@ -20,7 +21,6 @@ from punchform.punch import surface as surface_of
 from punchform.report.compensate import write_compensation_report
 from punchform.report.compensate_words import explained, remedies, solve_rows
 from punchform.store import CASE, RESULT, check_folder, write_folder
-from punchform.units import LENGTH, UnitError, quantity
 
 
 def compensate_punch(
@@ -42,7 +42,8 @@ def compensate_punch(
     Raises InputError for a case, folder or number that cannot be used, NoEquilibrium when the punch as it is cannot be
     pressed.
     """
-    at_most, share, length = _solves(solves), _relaxation(relaxation), _length(to)
+    at_most, share = _solves(solves), _relaxation(relaxation)
+    length = length_above_zero("--to", to, hint="such as --to '0.05 mm'", refusal="an rms to reach is above zero")
     source = read_text(path)
     case = parse(source)
     check_folder(output, overwrite=overwrite)
@@ -112,15 +113,3 @@ def _relaxation(text: str) -> float:
     if not 0 < share <= 1:
         raise InputError.of("a number above 0 and up to 1 is needed", where=f"--relaxation {text}", hint="such as 0.7")
     return share
-
-
-def _length(text: str | None) -> float | None:
-    if text is None:
-        return None
-    try:
-        value = quantity(text, LENGTH)
-    except UnitError as problem:
-        raise InputError.of(str(problem), where=f"--to {text}", hint="such as --to '0.05 mm'") from problem
-    if not (math.isfinite(value) and value > 0):
-        raise InputError.of("an rms to reach is above zero", where=f"--to {text}")
-    return value

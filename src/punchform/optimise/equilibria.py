@@ -78,8 +78,11 @@ class Equilibria:
         return _rest_of_press(self.run.case, self.ready, landing)
 
 
-def why_not(run: Run) -> str:
-    """Why the equilibria of a run cannot be followed by their tangents; empty when they can."""
+def why_not(run: Run, ready: Prepared | None = None) -> str:
+    """Why the equilibria of a run cannot be followed by their tangents; empty when they can.
+
+    ready: what its case was prepared to, where that is at hand.
+    """
     case = run.case
     kinds = [stage.kind for stage in run.stages]
     released = run.released
@@ -97,17 +100,21 @@ def why_not(run: Run) -> str:
         return "nothing holds the released grid, which keeps what has flowed and may lie anywhere"
     if released is not None and released.grid.nodes != run.formed.grid.nodes:
         return "the release leaves the mirror planes of the press"
-    if released is not None and released.hold.count and freed_of(run, prepare(case), released.state).kinematics.pins:
+    if (
+        released is not None
+        and released.hold.count
+        and freed_of(run, ready or prepare(case), released.state).kinematics.pins
+    ):
         return "what is held leaves the released grid free to move as a whole"
     return ""
 
 
 def equilibria(run: Run) -> Equilibria:
     """The stages of a run at rest, each factored once. Raises InputError where `why_not` finds a reason."""
-    reason = why_not(run)
+    ready = prepare(run.case)
+    reason = why_not(run, ready)
     if reason:
         raise InputError.of(f"there are no tangents of this run: {reason}")
-    ready = prepare(run.case)
     released = run.released
     trail = _trail(run, ready)
     return Equilibria(

@@ -12,7 +12,6 @@ from punchform.antenna import loss
 from punchform.case import Case
 from punchform.errors import InputError
 from punchform.forces import wire_mass
-from punchform.grid import lay
 from punchform.run import Run
 from punchform.wire import pieces, stiffness
 
@@ -74,19 +73,23 @@ def gain_loss(run: Run, *, frequency: float) -> float | None:
     return None if error is None else loss(error, SPEED_OF_LIGHT / frequency)
 
 
-def wire_length(case: Case) -> float:
+def wire_length(run: Run) -> float:
     """Length of all wire of the whole flat grid, crimp included [mm]."""
-    elements = pieces(stiffness(case.wire, case.grid.step), case.grid.subdivide)
-    grid = lay(case.grid, rim_radius=case.rim_radius or math.inf)
-    each = [element.wire_length for element in elements]
-    return float(grid.copies * sum(grid.weight[grid.kind == kind].sum() * length for kind, length in enumerate(each)))
+    grid = run.stages[0].done.grid
+    lengths = _lengths(run.case)
+    return float(
+        grid.copies * sum(grid.weight[grid.kind == kind].sum() * length for kind, length in enumerate(lengths))
+    )
 
 
-def mass(case: Case) -> float | None:
+def mass(run: Run) -> float | None:
     """Mass of all wire of the whole flat grid [kg], None without a density."""
-    elements = pieces(stiffness(case.wire, case.grid.step), case.grid.subdivide)
-    grid = lay(case.grid, rim_radius=case.rim_radius or math.inf)
-    return wire_mass(grid, case.wire, tuple(element.wire_length for element in elements))
+    return wire_mass(run.stages[0].done.grid, run.case.wire, _lengths(run.case))
+
+
+def _lengths(case: Case) -> tuple[float, ...]:
+    """Length of the wire in each kind of piece [mm]."""
+    return tuple(one.wire_length for one in pieces(stiffness(case.wire, case.grid.step), case.grid.subdivide))
 
 
 def _judged(run: Run) -> float | None:
@@ -151,8 +154,8 @@ _ALL = (
     Figure("draw_in", "mm", "largest inward move of a wire end", lambda run: run.formed.draw_in),
     Figure("compliance", "mm/N", "rms deflection per newton of load, the inverse of rigidity", _compliance),
     Figure("rms_deflection", "mm", "rms deflection under the load", _deflection),
-    Figure("mass", "kg", "mass of all wire", lambda run: mass(run.case)),
-    Figure("wire_length", "mm", "length of all wire", lambda run: wire_length(run.case)),
+    Figure("mass", "kg", "mass of all wire", mass),
+    Figure("wire_length", "mm", "length of all wire", wire_length),
 )
 FIGURES: Mapping[str, Figure] = MappingProxyType({one.name: one for one in _ALL})
 """Every figure by its name."""

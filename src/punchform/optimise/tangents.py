@@ -141,17 +141,18 @@ def pressed_at(rest: Equilibria, here: Rest, landing: Landing, knot: Knot, past:
     assert isinstance(old, FreeFrames | Differences)
     assert old.surface is not None
     kinematics = replace(old, grid=knot.grid, surface=tool)
-    positions, normals_, tangents = (part.copy() for part in (state.positions, state.normals, state.tangents))
+    positions, normals, tangents = (part.copy() for part in (state.positions, state.normals, state.tangents))
     free, held = ~old.held, old.held
     if held.any():
+        laid, first = flat_start(knot.grid, tool), rest.trail[0]
+        positions[held] = laid.positions[held]
         # The clamp holds the frames that it took in the first stroke.
-        positions[held] = flat_start(knot.grid, tool).positions[held]
-        taken = flat_start(knot.grid, lowered(knot.punch, rest.trail[0].share))
-        normals_[held], tangents[held] = taken.normals[held], taken.tangents[held]
-    normals = normals_of(old.surface.gap(state.positions[free]))
-    positions[free] = project(tool, positions[free], normals)
+        taken = laid if landing is first else flat_start(knot.grid, lowered(knot.punch, first.share))
+        normals[held], tangents[held] = taken.normals[held], taken.tangents[held]
+    across = normals_of(old.surface.gap(state.positions[free]))
+    positions[free] = project(tool, positions[free], across)
     foreseen = None if past is None else past.foreseen(landing.times)
-    moved = _moved(here.energy, knot, State(positions, normals_, tangents, foreseen))
+    moved = _moved(here.energy, knot, State(positions, normals, tangents, foreseen))
     # Where frames follow from the positions, the chart has them.
     followed_ = replace(kinematics.chart(moved.state).state, history=foreseen)
     return Moved(replace(moved.energy, kinematics=kinematics), followed_)
