@@ -26,6 +26,7 @@ from punchform.report.release_words import load_words, release_words
 from punchform.report.section import Images, Section, Tables
 from punchform.report.section import Rows as Rows
 from punchform.report.stages import stage_sections
+from punchform.report.viewer import Packed, pack, program, scene_of, style
 from punchform.report.words import energy, percent, size, verdict
 from punchform.report.yielding import yielding_sections
 
@@ -87,6 +88,7 @@ def page(run: Run, images: Images) -> str:
             *_stroke_tables(run),
         ),
         images=images,
+        scenes=(pack(scene_of(run)),),
         notes=all_notes(run),
         beside="nodes.csv and wires*.csv (tables), shape.vtp (for ParaView), result.json, case.toml",
     )
@@ -126,10 +128,12 @@ def render(
     lead: tuple[str, ...] = (),
     advice: tuple[str, ...] = (),
     sections: tuple[Section, ...] = (),
+    scenes: tuple[Packed, ...] = (),
 ) -> str:
     """A page of words, tables and figures on a case; images are embedded, and all text from the case is escaped.
 
-    lead: what comes first; sections: told before the results, each with the images that belong to it.
+    lead: what comes first; sections: told before the results, each with the images that belong to it;
+    scenes: what the 3D viewers after the verdict show.
     """
     figures = [(picture, _embedded(path)) for picture, path in images]
     named = {section.name for section in sections}
@@ -157,6 +161,9 @@ def render(
         case_text=cut(write_case(case)),
         beside=beside,
         versions=_versions(),
+        scenes=scenes,
+        viewer_program=program() if scenes else "",
+        viewer_style=style() if scenes else "",
     )
 
 
