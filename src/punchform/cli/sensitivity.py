@@ -10,6 +10,7 @@ from punchform.case.parts import Quantity
 from punchform.cli.exits import Exit
 from punchform.cli.sweeping import Means, workers_of
 from punchform.cli.talk import Talk, say
+from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.export.result import plain
 from punchform.optimise.figures import figure
@@ -33,7 +34,7 @@ def sensitivity(
     allowed: str | None,
     workers: int | None,
     overwrite: bool,
-    quiet: bool,
+    voice: Voice,
     as_json: bool,
 ) -> Exit:
     """Run a case, find what its figures depend on, print the table, and write the folder when one is named.
@@ -52,7 +53,7 @@ def sensitivity(
         number(case, place)
     if case.target is not None and keep is None:
         keep = case.target.tolerance
-    with workers_of(Means(workers, None, quiet)) as crew, Talk(quiet=quiet) as talk:
+    with workers_of(Means(workers, None, voice)) as crew, Talk(voice) as talk:
         try:
             found = sensitivities(run(case, observe=talk), vary or None, names=names, many=shared(crew))
         except InputError as error:
@@ -71,7 +72,8 @@ def sensitivity(
             write_sensitivity_report(tables, folder)
 
         folder = write_folder(output, write, overwrite=overwrite)
-        say(f"report: {folder / 'report.html'}")
+        if voice is not Voice.QUIET:
+            say(f"report: {folder / 'report.html'}")
     return Exit.DONE
 
 

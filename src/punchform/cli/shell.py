@@ -9,6 +9,7 @@ import numpy as np
 from punchform.case import Case, CaseText, write_case
 from punchform.cli.exits import Exit
 from punchform.cli.talk import Talk
+from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.export.result import largest
 from punchform.export.shell import shell_json, write_shell_tables
@@ -19,12 +20,12 @@ from punchform.shell import Shell, form_shell
 from punchform.store import CASE, KEPT, NODES, RESULT, WIRES, write_folder
 
 
-def form_gridshell(source: CaseText, case: Case, output: str, *, overwrite: bool, quiet: bool, as_json: bool) -> Exit:
+def form_gridshell(source: CaseText, case: Case, output: str, *, overwrite: bool, voice: Voice, as_json: bool) -> Exit:
     """Move the wire ends of a case to their points and write the run folder.
 
     Raises InputError for a case that makes no gridshell and NoEquilibrium when the solve ends without one.
     """
-    with Talk(quiet=quiet) as talk:
+    with Talk(voice) as talk:
         try:
             done = form_shell(case, observe=talk)
         except InputError as error:
