@@ -136,7 +136,7 @@ def _in_strokes(
         return _minimised(energy, start, task.tool, case, solver, observe, stage=f"press, {task.share:.0%} down")
 
     holding = None if case.hold is None else holder(grid, surface.rim_radius, case.hold)
-    return go_down(grid, surface, count, form, held=_held_flat(grid, surface, case), holder=holding, settle=settle)
+    return go_down(grid, surface, count, form, held=_held_flat(grid, surface, case), holder=holding, settle=settle, observe=observe)
 
 
 def _minimised(

@@ -10,7 +10,7 @@ import numpy as np
 from punchform.case import Case, parse, read_text, write_case
 from punchform.cli.exits import Exit
 from punchform.cli.lengths import length_above_zero
-from punchform.cli.talk import Talk, notes
+from punchform.cli.talk import WRITING, Talk, notes
 from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.export.punch_files import write_punch
@@ -55,6 +55,7 @@ def compensate_punch(
             done = compensate_case(case, wish, observe=talk)
         except InputError as error:
             raise source.placed(error) from None
+        talk.begin(WRITING)
         folder = write_compensation(done, output, overwrite=overwrite)
     notes(done.notes, voice)
     print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else summary(done, folder))

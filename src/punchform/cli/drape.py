@@ -12,7 +12,7 @@ import numpy as np
 from punchform.case import parse, read_text, write_case
 from punchform.case.parts import Quantity
 from punchform.cli.exits import Exit
-from punchform.cli.talk import Talk, notes
+from punchform.cli.talk import WRITING, Talk, notes
 from punchform.cli.voice import Voice
 from punchform.drape import Drape, drape
 from punchform.errors import InputError
@@ -55,7 +55,8 @@ def drape_case(
         except InputError as error:
             given = {"origin": origin, "shear_limit": shear_limit}
             raise source.placed(_as_typed(error, given)) from None
-    folder = write_drape(done, output, overwrite=overwrite)
+        talk.begin(WRITING)
+        folder = write_drape(done, output, overwrite=overwrite)
     notes(done.notes, voice)
     print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else summary(done, folder))
     return Exit.DONE if done.net.complete and not done.net.locked.any() else Exit.OUT_OF_TOLERANCE

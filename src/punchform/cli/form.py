@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast
 from punchform.case import parse, read_text
 from punchform.cli.exits import Exit
 from punchform.cli.shell import form_gridshell
-from punchform.cli.talk import Talk, notes, say
+from punchform.cli.talk import WRITING, Talk, notes, say
 from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.export.result import all_notes, largest
@@ -41,6 +41,7 @@ def form(path: str, output: str, *, overwrite: bool, voice: Voice, as_json: bool
             done = run(case, observe=talk)
         except InputError as error:
             raise source.placed(error) from None
+        talk.begin(WRITING)
         folder = write_run(done, output, overwrite=overwrite, extras=(write_report,))
     notes(all_notes(done), voice)
     print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else summary(done, folder))

@@ -87,6 +87,7 @@ class _Telling:
         self._talk = talk
         self._known = known
         self._at_no_cost = 0
+        talk(self._far(0))
         self._best: float | None = None
 
     def __call__(self, answer: Answer) -> None:
@@ -96,9 +97,11 @@ class _Telling:
         if answer.allowed and value is not None and (self._best is None or objective.sign * (value - self._best) < 0):
             self._best = value
         self._at_no_cost += answer.evaluation.key in self._known
-        event = Progress("designs", done=answer.number, total=self._question.asked.evaluations, limit=True)
-        self._talk(event, known=self._at_no_cost)
+        self._talk(self._far(answer.number), known=self._at_no_cost)
         self._talk.show("" if self._best is None else f"best {objective.figure} {self._best:.4g}")
+
+    def _far(self, done: int) -> Progress:
+        return Progress("designs", done=done, total=self._question.asked.evaluations, limit=True)
 
 
 def summary(found: Found, folder: Path) -> str:

@@ -17,15 +17,18 @@ class Remaining:
         self._clock = clock
         self._at_once = max(at_once, 1)
         self._begun = self._told = clock()
+        self._first: float | None = None
         self._pace: float | None = None
         self._open = 0.0
 
     def tell(self, done: float, total: float, *, known: float = 0.0) -> None:
-        """So much is done; `known` of it was done before and took no time."""
-        self._told = self._clock()
-        self._open = total - done
-        if done - known >= self._at_once:
-            self._pace = (self._told - self._begun) / (done - known)
+        """So much is done; `known` of it took no time. The first telling begins the time."""
+        self._told, self._open = self._clock(), total - done
+        if self._first is None:
+            self._begun, self._first = self._told, done - known
+        worked = done - known - self._first
+        if worked >= self._at_once:
+            self._pace = (self._told - self._begun) / worked
 
     @property
     def seconds(self) -> float | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from punchform.case import Case, number, parse, read_text, write_case
@@ -14,9 +15,10 @@ from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.export.result import plain
 from punchform.optimise.figures import figure
-from punchform.optimise.looks import shared
+from punchform.optimise.looks import Many, Seen, shared
 from punchform.optimise.sensitivity import sensitivities
 from punchform.optimise.tolerance_table import Table, csv, result, table
+from punchform.progress import Observer, Progress
 from punchform.report.sensitivity import lines, words, write_sensitivity_report
 from punchform.run import run
 from punchform.store import CASE, RESULT, check_folder, write_folder
@@ -53,9 +55,9 @@ def sensitivity(
         number(case, place)
     if case.target is not None and keep is None:
         keep = case.target.tolerance
-    with workers_of(Means(workers, None, voice)) as crew, Talk(voice) as talk:
+    with workers_of(Means(workers, None, voice)) as crew, Talk(voice, at_once=crew.count) as talk:
         try:
-            found = sensitivities(run(case, observe=talk), vary or None, names=names, many=shared(crew))
+            found = sensitivities(run(case, observe=talk), vary or None, names=names, many=counted(shared(crew), talk))
         except InputError as error:
             raise source.placed(error) from None
     tables = tuple(table(found, name, keep) for name in names)
@@ -75,6 +77,18 @@ def sensitivity(
         if voice is not Voice.QUIET:
             say(f"report: {folder / 'report.html'}")
     return Exit.DONE
+
+
+def counted(many: Many, observe: Observer) -> Many:
+    """The same runs, telling how many of them are done."""
+
+    def counting(cases: Sequence[Case], names: Sequence[str]) -> Iterator[Seen | str]:
+        observe(Progress("runs", total=len(cases)))
+        for number, one in enumerate(many(cases, names), start=1):
+            observe(Progress("runs", done=number, total=len(cases)))
+            yield one
+
+    return counting
 
 
 def text(tables: tuple[Table, ...]) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from punchform.case import Case, CaseText, write_case
 from punchform.cli.exits import Exit
-from punchform.cli.talk import Talk
+from punchform.cli.talk import WRITING, Talk
 from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.export.result import largest
@@ -30,6 +30,7 @@ def form_gridshell(source: CaseText, case: Case, output: str, *, overwrite: bool
             done = form_shell(case, observe=talk)
         except InputError as error:
             raise source.placed(error) from None
+        talk.begin(WRITING)
         folder = write_shell(done, output, overwrite=overwrite)
     print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else summary(done, folder))
     return Exit.DONE

@@ -120,6 +120,8 @@ class _Telling:
 
     def __enter__(self) -> _Telling:
         self._talk.__enter__()
+        self._remaining.tell(0, self._count)
+        self._talk(Progress("designs", total=self._count))
         return self
 
     def __exit__(self, *error: Any) -> None:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from punchform.cli.bars import Bars
     from punchform.progress import Progress
 
+WRITING = "writing tables, figures and the report"
 _STYLES = {"error:": "bold red", "hint:": "bold cyan", "note:": "bold yellow"}
 
 
@@ -95,13 +96,22 @@ class Talk:
         if self._bars is not None:
             self._bars.words(words)
 
+    def begin(self, words: str) -> None:
+        """Say what is begun now, where there are bars; when verbose as a line."""
+        self.show(words)
+        if self._voice is Voice.VERBOSE:
+            say(f"{self._seconds}  {words}")
+
+    @property
+    def _seconds(self) -> str:
+        return f"{perf_counter() - self._begun:8.2f} s"
+
     def _say_all(self, event: Progress) -> None:
         """The lines that only verbose commands say."""
-        seconds = f"{perf_counter() - self._begun:8.2f} s"
         if event.step >= 0:
-            say(f"{seconds}  {progress_line(event)}")
+            say(f"{self._seconds}  {progress_line(event)}")
         if event.total is not None:
-            say(f"{seconds}  {event.stage}: {event.done:.3g} of {event.total:.6g} done")
+            say(f"{self._seconds}  {event.stage}: {event.done:.3g} of {event.total:.6g} done")
 
 
 def progress_line(event: Progress) -> str:
