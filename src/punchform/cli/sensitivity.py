@@ -84,8 +84,8 @@ def counted(many: Many, observe: Observer) -> Many:
 
     def counting(cases: Sequence[Case], names: Sequence[str]) -> Iterator[Seen | str]:
         observe(Progress("runs", total=len(cases)))
-        for number, one in enumerate(many(cases, names), start=1):
-            observe(Progress("runs", done=number, total=len(cases)))
+        for finished, one in enumerate(many(cases, names), start=1):
+            observe(Progress("runs", done=finished, total=len(cases)))
             yield one
 
     return counting

@@ -31,7 +31,7 @@ _TYPES = {"float64": "Float64", "int64": "Int64"}
 
 
 def vtp_files(run: Run, folder: Path) -> tuple[Path, ...]:
-    """Write shape.vtp: the wires formed, released and judged, all nodes of the grid that was pressed. Raises OSError."""
+    """Write shape.vtp: the wires formed, released and judged, with all nodes that were pressed. Raises OSError."""
     whole = run.formed.whole
     judged = None if run.case.stages is None else places_in(run.final.whole.flat, whole.flat)
     path = folder / SHAPE
