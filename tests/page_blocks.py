@@ -40,6 +40,7 @@ class Block:
     text: str
     line: int
     remarks: dict[str, str]
+    hidden: bool = False
 
 
 def pages() -> list[Path]:
@@ -58,10 +59,10 @@ def _blocks(text: str) -> Iterator[Block]:
         above = re.search(r"(?:^<!-- .* -->\n)*\Z", text[: fence.start()], re.MULTILINE)
         remarks = {found[1]: found[2] or "" for found in REMARK.finditer(above[0] if above else "")}
         yield Block(fence[1].strip(), fence[2], text[: fence.start()].count("\n") + 1, remarks)
-    for found in REMARK.finditer(FENCE.sub(lambda fence: "\n" * fence[0].count("\n"), text)):
+    plain = FENCE.sub(lambda fence: "\n" * fence[0].count("\n"), text)
+    for found in REMARK.finditer(plain):
         if found[1] == "run":
-            plain = FENCE.sub(lambda fence: "\n" * fence[0].count("\n"), text)
-            yield Block("console", f"$ {found[2]}\n", plain[: found.start()].count("\n") + 1, {})
+            yield Block("console", f"$ {found[2]}\n", plain[: found.start()].count("\n") + 1, {}, hidden=True)
 
 
 def commands(text: str) -> list[tuple[str, list[str]]]:

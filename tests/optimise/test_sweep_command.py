@@ -186,7 +186,7 @@ def test_the_page_of_sweeps_says_what_can_be_asked() -> None:
     assert len(texts) >= 7
     for text in texts:
         assert variation(CASE, text).place == text.partition("=")[0]
-    (scatter,) = re.findall(r"^```toml\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    _, scatter = re.findall(r"^```toml\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
     assert len(scattered(tiny_dish.case(scatter))) == scatter.count("=") - 1
 
 
