@@ -79,7 +79,8 @@ def commands(text: str) -> list[tuple[str, list[str]]]:
 
 def missing(shown: list[str], printed: str) -> str:
     """The first line of what a page shows that is not printed, in order; empty when all are."""
-    lines = iter([line.strip() for line in printed.splitlines()])
+    # Units are kept beside their numbers by spaces that do not break.
+    lines = iter([line.strip() for line in printed.replace("\N{NO-BREAK SPACE}", " ").splitlines()])
     for line in shown:
         if line.strip() == "...":
             continue
