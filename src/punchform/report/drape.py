@@ -17,7 +17,7 @@ from punchform.report.figures.files import save
 from punchform.report.figures.gallery import GALLERY, Picture
 from punchform.report.page import FIGURES, PAGE, render
 from punchform.report.section import Rows
-from punchform.report.words import size
+from punchform.report.words import drawn_in, size
 
 if TYPE_CHECKING:
     from punchform.run import Run
@@ -61,7 +61,8 @@ def _draw(done: Drape, folder: Path) -> tuple[tuple[Picture, Path], ...]:
     for picture in (picture for picture in GALLERY if picture.name in SHOWN):
         path = folder / f"{picture.name}.png"
         save(picture.draw(view), path)
-        drawn.append((replace(picture, found=found(picture.name, view)), path))
+        words = drawn_in(done.draw_in) if picture.name == "sections" else found(picture.name, view)
+        drawn.append((replace(picture, found=words), path))
     return tuple(drawn)
 
 

@@ -26,7 +26,7 @@ def verdict(run: Run) -> tuple[str, ...]:
     return (
         _ending(run.formed),
         _shear(run.formed),
-        _draw_in(run.formed),
+        drawn_in(run.formed.draw_in),
         *_holder(run.formed),
         _wires(run.formed),
         _yield(run),
@@ -50,7 +50,7 @@ def tiles(run: Run) -> tuple[tuple[str, str], ...]:
         ("largest shear", size(math.degrees(formed.max_shear), "°", 3)),
         ("draw-in of the edge", size(formed.draw_in, "mm", 3)),
         *((("largest stress", size(stress, "MPa", 3)),) if stress is not None else ()),
-        ("force of the punch", size(formed.push, "N", 3)),
+        ("downward force of the punch", size(formed.push, "N", 3)),
     )
 
 
@@ -115,10 +115,11 @@ def _shear(formed: Formed) -> str:
     return f"The cells shear by up to {where_sheared(formed.whole)}."
 
 
-def _draw_in(formed: Formed) -> str:
-    if formed.draw_in <= 1e-6:
+def drawn_in(length: float) -> str:
+    """How far the edge of the blank is drawn in [mm], as a sentence."""
+    if length <= 1e-6:
         return "The edge of the blank is not drawn in."
-    return f"The edge of the blank is drawn in by up to {size(formed.draw_in, 'mm', 3)}."
+    return f"The edge of the blank is drawn in by up to {size(length, 'mm', 3)}."
 
 
 def _holder(formed: Formed) -> tuple[str, ...]:

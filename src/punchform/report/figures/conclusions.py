@@ -13,7 +13,10 @@ from punchform.accuracy import Accuracy, Aligned
 from punchform.export.result import largest
 from punchform.export.vtp import judging
 from punchform.report.accuracy_words import LOBES, makeup
-from punchform.report.words import percent, place, radii, size, where_sheared
+from punchform.report.figures.deviation import DIRECTIONS
+from punchform.report.figures.plastic import middle_wire
+from punchform.report.figures.sections import near_section
+from punchform.report.words import drawn_in, percent, place, radii, size, where_sheared
 
 if TYPE_CHECKING:
     from punchform.run import Run
@@ -74,9 +77,7 @@ def _stress(run: Run, released: bool) -> str:
 
 
 def _sections(run: Run) -> str:
-    if run.formed.draw_in <= 1e-6:
-        return "The edge of the blank stays where it was."
-    return f"The edge of the blank is drawn in by up to {size(run.formed.draw_in, 'mm', 3)}."
+    return drawn_in(run.formed.draw_in)
 
 
 def _progress(run: Run) -> str:
@@ -104,6 +105,19 @@ def _spread(run: Run) -> str:
         f"Mean {size(told.mean, 'mm', 3)}, rms about it {size(told.sigma, 'mm', 3)}; 95 % of the area lies within "
         f"±{size(told.p95, 'mm', 3)}."
     )
+
+
+def _profiles(run: Run) -> str:
+    accuracy, aligned = _aligned(run, judged=True)
+    whole, values = run.final.whole, aligned.deviations.of(accuracy.judge.measure)
+    reach = 0.5 * min(run.case.grid.step)
+    on_line = {at: accuracy.mask & near_section(whole.flat, at, reach) for at in DIRECTIONS}
+    rms = [
+        f"{size(float(np.sqrt(np.mean(values[on] ** 2))), 'mm', 3)} along {at}°"
+        for at, on in on_line.items()
+        if on.any()
+    ]
+    return f"Rms {', '.join(rms)}." if rms else ""
 
 
 def _lobes(run: Run) -> str:
@@ -155,6 +169,17 @@ def _plastic(run: Run) -> str:
     )
 
 
+def _middle(run: Run) -> str:
+    whole = run.formed.whole
+    wires = {name: middle_wire(whole, family) for family, name in ((1, "x"), (2, "y"))}
+    told = [
+        f"along {name} up to {percent(float(whole.axial_strain[wire].max()))}, of which "
+        f"{percent(float((whole.stretch[wire] - 1.0).max()))} stays"
+        for name, wire in wires.items()
+    ]
+    return f"The middle wires are longer: {'; '.join(told)}."
+
+
 def _stage(run: Run, released: bool) -> Whole:
     if not released:
         return run.formed.whole
@@ -195,11 +220,13 @@ FOUND: dict[str, Callable[[Run], str]] = {
     "deviation": partial(_deviation, judged=True),
     "deviation_other": partial(_deviation, judged=False),
     "deviation_histogram": _spread,
+    "deviation_sections": _profiles,
     "lobes": _lobes,
     "sag": _sag,
     "before_after": _before_after,
     "deflection": _deflection,
     "elongation": _elongation,
     "plastic_strain": _plastic,
+    "elongation_middle": _middle,
 }
 """The conclusion of each figure, by its name in the gallery."""
