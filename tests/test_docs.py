@@ -151,7 +151,9 @@ def test_every_block_is_of_a_kind_that_is_executed_or_plain_text(page: Path) -> 
         directive = block.language.partition(" ")[0]
         known = block.language in LANGUAGES or directive in DIRECTIVES
         assert known, f"line {block.line}: nothing executes a block of `{block.language}`"
-        assert block.language != "text" or "printed" in block.remarks or not re.search(r"^\$ ", block.text, re.MULTILINE)
+        assert (
+            block.language != "text" or "printed" in block.remarks or not re.search(r"^\$ ", block.text, re.MULTILINE)
+        )
         assert block.language != "csv" or "file" in block.remarks, f"line {block.line}: which file is it?"
 
 

@@ -27,6 +27,7 @@ from punchform.report.release_words import load_words, release_words
 from punchform.report.section import Images, Section, Tables
 from punchform.report.section import Rows as Rows
 from punchform.report.stages import stage_sections
+from punchform.report.viewer import Packed, pack, program, scene_of, style
 from punchform.report.words import tiles, verdict
 from punchform.report.yielding import yielding_sections
 
@@ -83,6 +84,7 @@ def page(run: Run, images: Images) -> str:
             *stroke_tables(run),
         ),
         images=images,
+        scenes=(pack(scene_of(run)),),
         notes=all_notes(run),
         beside="nodes.csv and wires*.csv (tables), shape.vtp (for ParaView), result.json, case.toml",
     )
@@ -125,12 +127,13 @@ def render(
     advice: tuple[str, ...] = (),
     further: tuple[tuple[str, ...], ...] = (),
     sections: tuple[Section, ...] = (),
+    scenes: tuple[Packed, ...] = (),
 ) -> str:
     """A page of words, tables and figures on a case; images are embedded, and all text from the case is escaped.
 
     case: None for a page on several, which needs a title; lead: what comes first; tiles: the few figures that are asked
     for first; verdict and further: paragraphs after that; sections: told before the results, each with the images that
-    belong to it.
+    belong to it; scenes: what the 3D viewers after the verdict show.
     """
     figures = [(picture, address(path)) for picture, path in images]
     named = {section.name for section in sections}
@@ -159,6 +162,9 @@ def render(
         case_text="" if case is None else cut(write_case(case)),
         beside=beside,
         versions=_versions(),
+        scenes=scenes,
+        viewer_program=program() if scenes else "",
+        viewer_style=style() if scenes else "",
     )
 
 
