@@ -10,7 +10,7 @@ from punchform.cli.exits import Exit
 from punchform.cli.talk import say
 
 CASE_HELP = (
-    "case file, or packaged:check, packaged:paper, packaged:stretch, packaged:gridshell, packaged:design for a case "
+    "case file, or packaged:check, packaged:paper, packaged:dish600, packaged:gridshell, packaged:design for a case "
     "that comes with the program"
 )
 
