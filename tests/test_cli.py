@@ -98,7 +98,7 @@ def test_new_in_no_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     assert "No such file or directory" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", ["check", "gridshell", "paper", "stretch", "new"])
+@pytest.mark.parametrize("name", ["check", "gridshell", "paper", "dish600", "new"])
 def test_packaged_cases_check(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", f"packaged:{name}"]) == Exit.DONE
     printed = capsys.readouterr()
