@@ -40,9 +40,7 @@ if TYPE_CHECKING:
 HELD, FIT = "deviation_held", "deviation_fit"
 NAMES = {"press": "in the tool", "release": "released", "trim": "trimmed", "load": "loaded"}
 SAG = Quantity("release_moved", "vertical move by the release", "mm", "node", signed=True, note="+ up")
-DEFLECTION = Quantity(
-    "load_moved", "move by the load, along the normal", "mm", "node", signed=True, note="+ outwards"
-)
+DEFLECTION = Quantity("load_moved", "move by the load, along the normal", "mm", "node", signed=True, note="+ outwards")
 
 
 @dataclass(frozen=True)
@@ -110,9 +108,7 @@ def _deviation_quantities(accuracy: Accuracy) -> tuple[Quantity, ...]:
     return (held, fit) if judge.alignment == "as held" else (fit, held)
 
 
-def _pose(
-    run: Run, stage: Stage, last: Stage | None, at: Places, before: Pose, asked: tuple[Quantity, ...]
-) -> Pose:
+def _pose(run: Run, stage: Stage, last: Stage | None, at: Places, before: Pose, asked: tuple[Quantity, ...]) -> Pose:
     done = stage.done
     figures = (*figures_of(done.whole, at, asked), *_own_figures(stage, last, at))
     references: tuple[tuple[str, Floats], ...] = ()

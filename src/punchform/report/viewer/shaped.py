@@ -24,12 +24,12 @@ SHEAR = Quantity(
     signed=True,
     note="+ where the angle between +x and +y wires closes",
 )
-CONTACT = Quantity(
-    "contact_force", "contact force", "N", "node", signed=True, note="+ punch pushes, − held down"
-)
+CONTACT = Quantity("contact_force", "contact force", "N", "node", signed=True, note="+ punch pushes, − held down")
 AXIAL = Quantity("axial_force", "axial force F1", "N", "wire", signed=True, note="+ tension")
 MOMENT = Quantity("moment", "bending moment F5, out of the surface", "N mm", "wire", signed=True)
-ELONGATION = Quantity("elongation", "elongation of the wire", "%", "wire", signed=True, note="+ longer than in the blank")
+ELONGATION = Quantity(
+    "elongation", "elongation of the wire", "%", "wire", signed=True, note="+ longer than in the blank"
+)
 PLASTIC = Quantity("plastic_strain", "largest plastic strain in the wire", "%", "wire")
 
 
