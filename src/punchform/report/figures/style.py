@@ -24,7 +24,7 @@ from punchform.arrays import Floats
 Place = tuple[float, float, float, float]
 Colours = str | Colormap
 
-DPI = 170
+DPI = 150
 HALF = (4.8, 4.0)
 PLAN, PLAN_BAR = (0.138, 0.115, 0.69, 0.855), (0.842, 0.165, 0.028, 0.755)
 INK, SOFT, PALE, PAPER = "#1d2733", "#6b7785", "#d8dde3", "#f1f3f5"
@@ -133,23 +133,24 @@ def force_bar(figure: Figure, scale: Normalize, label: str) -> None:
     axes.minorticks_off()
 
 
-def from_zero(values: Floats) -> Normalize:
-    """A scale from zero to the largest value."""
-    return Normalize(0.0, float(values.max(initial=0.0)) or 1.0)
+def from_zero(values: Floats, reach: float | None = None) -> Normalize:
+    """A scale from zero to the largest value, or to a given one that figures have in common."""
+    return Normalize(0.0, reach or float(values.max(initial=0.0)) or 1.0)
 
 
-def about_zero(values: Floats) -> FuncNorm:
+def about_zero(values: Floats, reach: float | None = None) -> FuncNorm:
     """A scale symmetric about zero and with the root of the size.
 
     Forces at the rim are tens of times those elsewhere; on an even scale nothing else would be seen.
+    reach: where it ends, when figures have it in common.
     """
-    reach = float(np.abs(values).max(initial=0.0)) or 1.0
+    reach = reach or float(np.abs(values).max(initial=0.0)) or 1.0
     return FuncNorm((_signed_root, _signed_square), vmin=-reach, vmax=reach)
 
 
-def even_about_zero(values: Floats) -> Normalize:
-    """An even scale symmetric about zero."""
-    reach = float(np.abs(values).max(initial=0.0)) or 1.0
+def even_about_zero(values: Floats, reach: float | None = None) -> Normalize:
+    """An even scale symmetric about zero, to the largest size or to a given one that figures have in common."""
+    reach = reach or float(np.abs(values).max(initial=0.0)) or 1.0
     return Normalize(-reach, reach)
 
 
