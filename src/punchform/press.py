@@ -333,12 +333,12 @@ def formed_by(
     done = solved(energy, solution, elements, contact, yield_strength)
     told = remarks(energy.grid, elements, done.whole, surface, case)
     gripped = () if down.grip is None else down.grip.notes
-    strokes = down.strokes or (Stroke(1.0, solution.steps, solution.factorisations, done.energy, 0.0),)
+    once = Stroke(1.0, solution.steps, solution.factorisations, done.energy, 0.0, solution.state.positions)
     return Formed(
         **{**vars(done), "notes": told + gripped},
         surface=surface,
         held=_held(energy),
-        strokes=strokes,
+        strokes=down.strokes or (once,),
         grip=down.grip,
     )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import TypedDict, TypeVar
 
@@ -98,6 +98,13 @@ def run(case: Case, *, observe: Observer = silent) -> Run:
     for step in case.steps:
         number = 1 + sum(stage.kind == step.kind for stage in stages)
         stages.append(Stage(step.kind, number, step.settings, _done(step, stages, case, ready, wires)))
+    notes = tuple(doubt.message for doubt in ready.doubts)
+    done = gathered(case, ready, tuple(stages), notes=notes, seconds=0.0)
+    return replace(done, seconds=perf_counter() - begun)
+
+
+def gathered(case: Case, ready: Prepared, stages: tuple[Stage, ...], *, notes: tuple[str, ...], seconds: float) -> Run:
+    """The run that the stages of a case make: the last of each kind, and how near the grid came to the target."""
     formed = _last(Formed, stages)
     assert formed is not None, "the first stage is a press"
     accuracy = None
@@ -106,17 +113,7 @@ def run(case: Case, *, observe: Observer = silent) -> Run:
         # The shape is judged at its crossings, wherever else a wire has nodes.
         crossings = np.where(whole.between[:, None] == 0, whole.positions, np.nan)
         accuracy = measure_case(crossings, whole.cells, case.target, apex_height=ready.punch.height_at_axis)
-    notes = tuple(doubt.message for doubt in ready.doubts)
-    return Run(
-        case,
-        formed,
-        _last(Released, stages),
-        _last(Loaded, stages),
-        accuracy,
-        notes,
-        perf_counter() - begun,
-        tuple(stages),
-    )
+    return Run(case, formed, _last(Released, stages), _last(Loaded, stages), accuracy, notes, seconds, stages)
 
 
 def _done(step: Step, stages: Sequence[Stage], case: Case, ready: Prepared, wires: _Wires) -> Done:

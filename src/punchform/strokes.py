@@ -32,16 +32,17 @@ SHORTEST = 1.0 / 16
 """The shortest part of a stroke that is tried."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Stroke:
     """One stroke of the whole grid: the share of the depth at its end, its steps and factorisations, the elastic energy
-    at its end and the work done against friction in it [mJ]."""
+    at its end and the work done against friction in it [mJ]; positions (N, 3) of the solved nodes at its end [mm]."""
 
     share: float
     steps: int
     factorisations: int
     energy: float
     friction_work: float
+    positions: Floats
 
 
 @dataclass(frozen=True)
@@ -187,7 +188,14 @@ def _where(share: float, tried: float, failure: str) -> str:
 def _stroke(grid: Grid, energy: Energy, solution: Solution, older: Lying, here: Lying) -> Stroke:
     elastic = float(energy.elastic(here.state)[2] @ grid.weight) + energy.springs(here.state)
     work = 0.0 if here.grasp is None or older.grasp is None else here.grasp.work - older.grasp.work
-    return Stroke(here.share, solution.steps, solution.factorisations, grid.copies * elastic, grid.copies * work)
+    return Stroke(
+        share=here.share,
+        steps=solution.steps,
+        factorisations=solution.factorisations,
+        energy=grid.copies * elastic,
+        friction_work=grid.copies * work,
+        positions=here.state.positions,
+    )
 
 
 def _as_one(solutions: list[Solution]) -> Solution:

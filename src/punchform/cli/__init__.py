@@ -25,6 +25,7 @@ COMMANDS = {
     "compensate": "compensate:compensate_punch",
     "sensitivity": "sensitivity:sensitivity",
     "punch": "punch:punch_case",
+    "export": "export:export_run",
     "sweep": "sweep:sweep_case",
     "optimise": "optimise:optimise_case",
     "tolerances": "tolerances:tolerances_of",

@@ -16,8 +16,9 @@ from punchform.cli.talk import Talk, say
 from punchform.drape import Drape, drape
 from punchform.errors import InputError
 from punchform.export.drape import LENGTHS, OUTLINE, drape_json, reached_nodes, write_drape_tables
+from punchform.export.vtp import SHAPE
 from punchform.report.drape import write_drape_report
-from punchform.store import CASE, NODES, RESULT, SHAPE, check_folder, write_folder
+from punchform.store import CASE, NODES, RESULT, check_folder, write_folder
 from punchform.units import ANGLE, LENGTH, UnitError, quantity
 
 ANGLES = {

@@ -8,6 +8,7 @@ from typing import NoReturn
 from punchform import __version__
 from punchform.cli.exits import Exit
 from punchform.cli.talk import say
+from punchform.export.formats import FORMATS
 
 CASE_HELP = (
     "case file, or packaged:check, packaged:paper, packaged:stretch, packaged:gridshell, packaged:design for a case "
@@ -53,6 +54,7 @@ def parser() -> argparse.ArgumentParser:
 
     _add_sensitivity(commands.add_parser("sensitivity", help="which numbers matter, and what tolerance each needs"))
     _add_punch(commands.add_parser("punch", help="the punch as files for the workshop: tables, drawing, solid"))
+    _add_export(commands.add_parser("export", help="a run as files for the workshop and other programs"))
     _add_sweep(commands.add_parser("sweep", help="evaluate many designs of a case, into one table"))
     _add_optimise(commands.add_parser("optimise", help="search for the best design, as [optimise] of the case asks"))
     _add_tolerances(commands.add_parser("tolerances", help="what the scatter of wire, grid and tool does to accuracy"))
@@ -127,6 +129,19 @@ def _add_punch(command: argparse.ArgumentParser) -> None:
     command.add_argument("--radius", metavar="LENGTH", help="how far the files reach (1.1 times the rim's)")
     command.add_argument("--step", metavar="LENGTH", help="distance of the points of the height field (a round one)")
     command.add_argument("--tolerance", metavar="LENGTH", help="how far facets may be from the punch (0.02 mm)")
+
+
+def _add_export(command: argparse.ArgumentParser) -> None:
+    """The arguments of `export`."""
+    command.add_argument("run", metavar="RUN", help="folder that `punchform form` wrote")
+    formats = (*FORMATS, "all")
+    command.add_argument(
+        "--to", nargs="+", choices=formats, metavar="FORMAT", required=True, help=f"any of {', '.join(formats)}"
+    )
+    command.add_argument("-o", "--output", metavar="DIR", required=True, help="folder for the files")
+    command.add_argument("--overwrite", action="store_true", help="replace earlier files in that folder")
+    command.add_argument("--quiet", action="store_true", help="no talk")
+    command.add_argument("--json", dest="as_json", action="store_true", help="print the list of files as JSON")
 
 
 def _add_compare(command: argparse.ArgumentParser) -> None:

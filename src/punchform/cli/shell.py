@@ -12,9 +12,10 @@ from punchform.cli.talk import Talk
 from punchform.errors import InputError
 from punchform.export.result import largest
 from punchform.export.shell import shell_json, write_shell_tables
+from punchform.export.vtp import SHAPE
 from punchform.report.shell import write_shell_report
 from punchform.shell import Shell, form_shell
-from punchform.store import CASE, NODES, RESULT, SHAPE, WIRES, write_folder
+from punchform.store import CASE, NODES, RESULT, WIRES, write_folder
 
 
 def form_gridshell(source: CaseText, case: Case, output: str, *, overwrite: bool, quiet: bool, as_json: bool) -> Exit:

@@ -18,13 +18,25 @@ from numpy.typing import NDArray
 
 from punchform.accuracy import MEASURES, Accuracy, Aligned
 from punchform.arrays import Floats, Ints
-from punchform.export.told import spread
+from punchform.export.told import released_on, spread
+from punchform.whole import places_in
 
 if TYPE_CHECKING:
+    from punchform.run import Run
     from punchform.solved import Solved
 
 Array = NDArray[np.float64] | NDArray[np.int64]
+SHAPE = "shape.vtp"
 _TYPES = {"float64": "Float64", "int64": "Int64"}
+
+
+def vtp_files(run: Run, folder: Path) -> tuple[Path, ...]:
+    """Write shape.vtp: the wires formed, released and judged, all nodes of the grid that was pressed. Raises OSError."""
+    whole = run.formed.whole
+    judged = None if run.case.stages is None else places_in(run.final.whole.flat, whole.flat)
+    path = folder / SHAPE
+    write_vtp(path, run.formed, released_on(run, whole), run.accuracy, judged)
+    return (path,)
 
 
 def write_vtp(
