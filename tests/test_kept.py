@@ -13,14 +13,16 @@ import pytest
 import tiny_dish
 from stretched import dish
 
-from punchform.case import Case
+from punchform.case import Case, read_case
 from punchform.case.reading import case_from_text
+from punchform.cli.shell import write_shell
 from punchform.errors import InputError
 from punchform.export.result import result
 from punchform.kept import keep
 from punchform.run import Run
 from punchform.run import run as form
-from punchform.store import load_run, write_run
+from punchform.shell import form_shell
+from punchform.store import load, load_run, write_run
 
 LOAD = "[load]\ngravity = [0, 0, -1]\n"
 STAGES = 'stages = ["press", { trim = { radius = "65 mm" } }, "release", "press", "release"]'
@@ -86,6 +88,14 @@ def tiny() -> Run:
 @pytest.fixture
 def folder(tiny: Run, tmp_path: Path) -> Path:
     return write_run(tiny, tmp_path / "dish")
+
+
+def test_a_gridshell_is_read_back_too(tmp_path: Path) -> None:
+    shell = form_shell(read_case("packaged:gridshell"))
+    again = load(write_shell(shell, tmp_path / "shell"))
+    assert_same(shell, again)
+    with pytest.raises(InputError, match="holds a gridshell"):
+        load_run(tmp_path / "shell")
 
 
 def test_equal_runs_are_kept_in_equal_files(tiny: Run, tmp_path: Path) -> None:

@@ -15,19 +15,21 @@ from dataclasses import fields, is_dataclass, replace
 from enum import Enum
 from functools import cache
 from pathlib import Path
-from types import NoneType, UnionType
+from types import MappingProxyType, NoneType, UnionType
 from typing import Any, Union, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from punchform.case import Case
+from punchform.gridshell import Gridshell
 from punchform.load import Loaded
 from punchform.mechanics.frames import State
-from punchform.prepare import Prepared, prepare
+from punchform.prepare import prepare
 from punchform.press import Formed
 from punchform.release import Released
 from punchform.run import Done, Run, Stage, gathered
+from punchform.shell import Shell, prepare_shell
 from punchform.trim import Trimmed
 
 Arrays = dict[str, NDArray[Any]]
@@ -37,17 +39,20 @@ TREE = "tree"
 KINDS: dict[str, type[Done]] = {"press": Formed, "release": Released, "trim": Trimmed, "load": Loaded}
 _FROM_THE_CASE = ("surface", "hardening")
 """Fields of stages that the case says."""
+NOTHING: Mapping[str, Any] = MappingProxyType({})
 _ARRAY = "@array"
 """What stands in the tree for an array."""
 _PACKING = 1
 """Level of compression: the lowest, which is four times as fast as the usual one and 5 % larger."""
 
 
-def keep(run: Run, path: Path) -> None:
-    """Write a run to a file; equal runs give equal bytes but for their seconds. Raises OSError."""
+def keep(run: Run | Shell, path: Path) -> None:
+    """Write a run or a gridshell to a file; equal ones give equal bytes but for their seconds. Raises OSError."""
     arrays: Arrays = {}
-    stages = [_taken_apart(stage.done, str(number), arrays) for number, stage in enumerate(run.stages)]
-    tree = {"schema": SCHEMA, "notes": run.notes, "seconds": run.seconds, "stages": stages}
+    shapes = (run.formed,) if isinstance(run, Shell) else tuple(stage.done for stage in run.stages)
+    notes = () if isinstance(run, Shell) else run.notes
+    stages = [_taken_apart(shape, str(number), arrays) for number, shape in enumerate(shapes)]
+    tree = {"schema": SCHEMA, "notes": notes, "seconds": run.seconds, "stages": stages}
     arrays[TREE] = np.frombuffer(json.dumps(tree).encode(), dtype=np.uint8)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=_PACKING) as archive:
         for name, values in arrays.items():
@@ -58,26 +63,38 @@ def keep(run: Run, path: Path) -> None:
                 np.lib.format.write_array(file, np.ascontiguousarray(values), allow_pickle=False)
 
 
-def kept(case: Case, path: Path) -> Run:
-    """The run of a case from the file that `keep` wrote. Raises OSError, and ValueError for a damaged file or one of
-    another version of the format; InputError when the case cannot be used."""
+def kept(case: Case, path: Path) -> Run | Shell:
+    """The run of a case, or the gridshell of one without a punch, from the file that `keep` wrote.
+
+    Raises OSError, and ValueError for a damaged file or one of another version of the format; InputError when the case
+    cannot be used.
+    """
     try:
         arrays = _arrays(path)
         tree = json.loads(arrays.pop(TREE).tobytes())
         if tree["schema"] != SCHEMA:
             raise ValueError(f"its format is {tree['schema']}, not {SCHEMA}")
-        ready = prepare(case)
-        stages = [
-            _put_together(KINDS[step.kind], part, str(number), arrays, ready)
-            for number, (step, part) in enumerate(zip(case.steps, tree["stages"], strict=True))
-        ]
-        done: list[Stage] = []
-        for step, stage in zip(case.steps, stages, strict=True):
-            number = 1 + sum(one.kind == step.kind for one in done)
-            done.append(Stage(step.kind, number, step.settings, cast("Done", stage)))
-        return gathered(case, ready, tuple(done), notes=tuple(tree["notes"]), seconds=tree["seconds"])
+        return _run(case, tree, arrays) if case.press.ends is None else _shell(case, tree, arrays)
     except (KeyError, TypeError, zipfile.BadZipFile, zlib.error, EOFError) as problem:
         raise ValueError(f"it is not what a run is kept in ({problem})") from problem
+
+
+def _run(case: Case, tree: dict[str, Any], arrays: Arrays) -> Run:
+    ready = prepare(case)
+    given = {"surface": ready.punch, "hardening": ready.elements[0].hardening}
+    done: list[Stage] = []
+    for step, part in zip(case.steps, tree["stages"], strict=True):
+        shape = _put_together(KINDS[step.kind], part, str(len(done)), arrays, given)
+        number = 1 + sum(one.kind == step.kind for one in done)
+        done.append(Stage(step.kind, number, step.settings, cast("Done", shape)))
+    return gathered(case, ready, tuple(done), notes=tuple(tree["notes"]), seconds=tree["seconds"])
+
+
+def _shell(case: Case, tree: dict[str, Any], arrays: Arrays) -> Shell:
+    ready = prepare_shell(case)
+    (part,) = tree["stages"]
+    formed = _put_together(Gridshell, part, "0", arrays, {"hardening": ready.elements[0].hardening})
+    return Shell(case, ready.ends, cast("Gridshell", formed), tree["seconds"])
 
 
 def _arrays(path: Path) -> Arrays:
@@ -112,8 +129,8 @@ def _taken_apart(value: Any, at: str, arrays: Arrays) -> Any:
     return value
 
 
-def _put_together(kind: Any, part: Any, at: str, arrays: Arrays, ready: Prepared | None = None) -> Any:
-    """The value of a type from its JSON and the arrays; ready: what the case says of a stage."""
+def _put_together(kind: Any, part: Any, at: str, arrays: Arrays, given: Mapping[str, Any] = NOTHING) -> Any:
+    """The value of a type from its JSON and the arrays; given: its fields that the case says."""
     if part == _ARRAY:
         return arrays[at]
     origin = get_origin(kind)
@@ -121,11 +138,9 @@ def _put_together(kind: Any, part: Any, at: str, arrays: Arrays, ready: Prepared
         (real,) = (one for one in get_args(kind) if one is not NoneType)
         return None if part is None else _put_together(real, part, at, arrays)
     if is_dataclass(kind):
-        hints = _hints(kind)
-        given = _given(ready) if ready is not None else {}
         values = {
-            name: given[name]() if name in given else _put_together(hint, part[name], f"{at}.{name}", arrays)
-            for name, hint in hints.items()
+            name: given[name] if name in given else _put_together(hint, part[name], f"{at}.{name}", arrays)
+            for name, hint in _hints(kind).items()
         }
         return cast("Callable[..., Any]", kind)(**values)
     if origin is tuple:
@@ -140,11 +155,6 @@ def _put_together(kind: Any, part: Any, at: str, arrays: Arrays, ready: Prepared
     if isinstance(kind, type) and issubclass(kind, Enum):
         return kind[part]
     return part
-
-
-def _given(ready: Prepared) -> dict[str, Callable[[], Any]]:
-    """What a stage takes from the case instead of the file."""
-    return {"surface": lambda: ready.punch, "hardening": lambda: ready.elements[0].hardening}
 
 
 @cache

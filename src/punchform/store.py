@@ -23,6 +23,7 @@ from punchform.export.vtp import vtp_files
 
 if TYPE_CHECKING:
     from punchform.run import Run
+    from punchform.shell import Shell
 
 RESULT, CASE, NODES, WIRES, KEPT = "result.json", "case.toml", "nodes.csv", "wires.csv", "run.npz"
 WIRES_RELEASED = "wires_released.csv"
@@ -171,6 +172,16 @@ def load_run(folder: str | Path) -> Run:
     What wires that yield remember for a further stroke (`state.history`) is not kept. Raises InputError for a folder
     that is not a run, that another version wrote, or whose files are damaged.
     """
+    from punchform.shell import Shell
+
+    found = load(folder)
+    if isinstance(found, Shell):
+        raise InputError.of("the folder holds a gridshell, not a grid on a punch", where=str(folder))
+    return found
+
+
+def load(folder: str | Path) -> Run | Shell:
+    """The run or the gridshell that a folder holds; raises InputError as `load_run` does."""
     from punchform.case import read_case
     from punchform.kept import kept
 

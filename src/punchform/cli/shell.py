@@ -13,9 +13,10 @@ from punchform.errors import InputError
 from punchform.export.result import largest
 from punchform.export.shell import shell_json, write_shell_tables
 from punchform.export.vtp import SHAPE
+from punchform.kept import keep
 from punchform.report.shell import write_shell_report
 from punchform.shell import Shell, form_shell
-from punchform.store import CASE, NODES, RESULT, WIRES, write_folder
+from punchform.store import CASE, KEPT, NODES, RESULT, WIRES, write_folder
 
 
 def form_gridshell(source: CaseText, case: Case, output: str, *, overwrite: bool, quiet: bool, as_json: bool) -> Exit:
@@ -36,13 +37,14 @@ def form_gridshell(source: CaseText, case: Case, output: str, *, overwrite: bool
 def write_shell(done: Shell, output: str | Path, *, overwrite: bool = False) -> Path:
     """Write the folder of a gridshell and return its path; see `write_folder` for what it raises.
 
-    case.toml, result.json, nodes.csv, wires.csv, shape.vtp, figures and report.html.
+    case.toml, result.json, nodes.csv, wires.csv, shape.vtp, run.npz, figures and report.html.
     """
 
     def write(folder: Path) -> None:
         (folder / CASE).write_text(write_case(done.case), encoding="utf-8", newline="\n")
         (folder / RESULT).write_text(shell_json(done), encoding="utf-8", newline="\n")
         write_shell_tables(done, nodes=folder / NODES, wires=folder / WIRES, shape=folder / SHAPE)
+        keep(done, folder / KEPT)
         write_shell_report(done, folder)
 
     return write_folder(output, write, overwrite=overwrite)
