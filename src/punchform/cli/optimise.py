@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,8 +10,9 @@ from typing import TYPE_CHECKING
 from punchform.case import parse, read_text
 from punchform.cli.exits import Exit
 from punchform.cli.sweeping import Means, workers_of
-from punchform.cli.talk import Talk, say
+from punchform.cli.talk import Talk, notes, say
 from punchform.errors import InputError
+from punchform.progress import Progress
 
 if TYPE_CHECKING:
     from punchform.optimise.asking import Answer, Ask
@@ -45,15 +45,19 @@ def optimise_case(path: str, output: str, *, means: Means, overwrite: bool, as_j
     folder = open_folder(output, case, overwrite=overwrite)
     with Record(folder / RECORD) as record:
         try:
-            with Talk(quiet=means.quiet) as talk, _evaluates(question, record, means, way) as (ask, slopes):
-                if not means.quiet:
-                    say(f"note: method {way}: {why}")
-                    if way == "gradient" and (means.workers or means.scheduler):
-                        say("note: downhill goes one design after the other, here: other workers have nothing to do")
-                found = search(question, ask, slopes=slopes, observe=_Progress(question, talk))
+            with (
+                Talk(means.voice, at_once=1 if way == "gradient" else means.workers or 1) as talk,
+                _evaluates(question, record, means, way) as (ask, slopes),
+            ):
+                notes([f"method {way}: {why}"], means.voice)
+                if way == "gradient" and (means.workers or means.scheduler):
+                    idle = "downhill goes one design after the other, here: other workers have nothing to do"
+                    notes([idle], means.voice)
+                known = {evaluation.key for evaluation in record}
+                found = search(question, ask, slopes=slopes, observe=_Telling(question, talk, known))
         except KeyboardInterrupt:
             kept = sum(not is_slopes(one) for one in record)
-            say(f"note: {kept} evaluations are kept; the same command goes on from there")
+            say(f"note: {kept} designs are done")
             raise
     text = write_found(folder, found)
     write_search_report(found, case, folder)
@@ -75,12 +79,15 @@ def _evaluates(question: Question, record: Record, means: Means, way: str) -> It
         yield ask, None
 
 
-class _Progress:
-    """How far a search has come, in the progress line of a terminal."""
+class _Telling:
+    """Tells how far a search has come; known: keys of the designs that an earlier search has evaluated."""
 
-    def __init__(self, question: Question, talk: Talk) -> None:
+    def __init__(self, question: Question, talk: Talk, known: Collection[str]) -> None:
         self._question = question
         self._talk = talk
+        self._known = known
+        self._at_no_cost = 0
+        talk(self._far(0))
         self._best: float | None = None
 
     def __call__(self, answer: Answer) -> None:
@@ -89,9 +96,12 @@ class _Progress:
         value = answer.told.get(objective.figure)
         if answer.allowed and value is not None and (self._best is None or objective.sign * (value - self._best) < 0):
             self._best = value
-        if sys.stderr.isatty():
-            words = f"design {answer.number} of at most {self._question.asked.evaluations}"
-            self._talk.show(words if self._best is None else f"{words}, best {objective.figure} {self._best:.4g}")
+        self._at_no_cost += answer.evaluation.key in self._known
+        self._talk(self._far(answer.number), known=self._at_no_cost)
+        self._talk.show("" if self._best is None else f"best {objective.figure} {self._best:.4g}")
+
+    def _far(self, done: int) -> Progress:
+        return Progress("designs", done=done, total=self._question.asked.evaluations, limit=True)
 
 
 def summary(found: Found, folder: Path) -> str:

@@ -11,7 +11,8 @@ from punchform import __version__
 from punchform.case import Case, parse, read_text, write_case
 from punchform.case.parts import Quantity
 from punchform.cli.exits import Exit
-from punchform.cli.talk import say
+from punchform.cli.talk import notes
+from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.export.punch_files import TOLERANCE, write_punch
 from punchform.export.result import RESULT_SCHEMA
@@ -30,7 +31,7 @@ def punch_case(
     output: str,
     *,
     overwrite: bool,
-    quiet: bool,
+    voice: Voice,
     as_json: bool,
     radius: str | None = None,
     step: str | None = None,
@@ -66,9 +67,7 @@ def punch_case(
         (folder / RESULT).write_text(text, encoding="utf-8", newline="\n")
 
     folder = write_folder(output, write, overwrite=overwrite)
-    if not quiet:
-        for doubt in ready.doubts:
-            say(f"note: {doubt.where}: {doubt.message}")
+    notes((f"{doubt.where}: {doubt.message}" for doubt in ready.doubts), voice)
     print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else _summary(case, told, folder))
     return Exit.DONE
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from punchform.case import Case, parse, read_text, unit
 from punchform.cli.exits import Exit
 from punchform.cli.sweeping import Means, check_designs, evaluated
-from punchform.cli.talk import say
+from punchform.cli.talk import notes
 from punchform.errors import InputError
 
 if TYPE_CHECKING:
@@ -51,8 +51,8 @@ def sweep_case(
     folder = open_folder(output, asked, case, overwrite=overwrite)
     done = evaluated(case, designs, folder, asked, means, places=tuple(designs[0]), parquet=format == "parquet")
     failed = [evaluation for evaluation in done if evaluation.failed]
-    if failed and not means.quiet:
-        say(f"note: {len(failed)} of {len(done)} designs failed, the first of them: {failed[0].failure}")
+    if failed:
+        notes([f"{len(failed)} of {len(done)} designs failed, the first of them: {failed[0].failure}"], means.voice)
     print((folder / SWEEP).read_text("utf-8").rstrip() if as_json else summary(case, done, folder))
     return Exit.NO_EQUILIBRIUM if len(failed) == len(done) else Exit.DONE
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from punchform.case import Case, parse, read_text
 from punchform.cli.exits import Exit
 from punchform.cli.sweeping import Means, check_designs, evaluated
-from punchform.cli.talk import say
+from punchform.cli.talk import notes as say_notes
 from punchform.errors import InputError
 
 if TYPE_CHECKING:
@@ -57,9 +57,7 @@ def tolerances_of(
     text = tolerances_json(case, found, samples=samples, seed=seed)
     replace_file(folder / RESULT, text)
     write_tolerances_report(case, found, folder)
-    if not means.quiet:
-        for note in notes(found, case):
-            say(f"note: {note}")
+    say_notes(notes(found, case), means.voice)
     print(text.rstrip() if as_json else summary(case, found, folder))
     return Exit.DONE
 

@@ -12,10 +12,12 @@ import numpy as np
 from punchform.case import Case
 from punchform.export.result import largest
 from punchform.gridshell import Gridshell
+from punchform.report.figures.conclusions import found
+from punchform.report.figures.files import save
 from punchform.report.figures.gallery import GALLERY, Picture
-from punchform.report.figures.style import save
 from punchform.report.figures.wires import draw_wires
-from punchform.report.page import FIGURES, PAGE, energy_rows, render, solve_rows, span
+from punchform.report.numbers import energy_rows, solve_rows, span
+from punchform.report.page import FIGURES, PAGE, render
 from punchform.report.section import Images, Rows
 from punchform.report.words import energy, percent, place, size
 from punchform.shell import Shell
@@ -77,7 +79,7 @@ def _draw(done: Shell, folder: Path) -> Images:
     for picture in (SHAPE, *others):
         path = folder / f"{picture.name}.png"
         save(picture.draw(view), path)
-        drawn.append((picture, path))
+        drawn.append((replace(picture, found=found(picture.name, view)), path))
     return tuple(drawn)
 
 

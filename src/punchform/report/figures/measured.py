@@ -85,7 +85,7 @@ def draw_histogram(done: Comparison) -> Figure:
     """Shares of the points by their deviation, with the tolerance as lines and the average."""
     values = done.judged.value[done.judged.inside & done.counted]
     figure = new_figure(*HALF)
-    axes = figure.add_axes((0.115, 0.12, 0.85, 0.82))
+    axes = figure.add_axes((0.135, 0.135, 0.835, 0.8))
     reach = _reach(values, done.tolerance)
     bins = np.linspace(-reach, reach, 2 * int(np.clip(np.sqrt(len(values)), 8, 30)) + 2)
     clipped = np.clip(values, -reach, reach)

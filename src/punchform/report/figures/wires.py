@@ -36,5 +36,6 @@ def draw_wires(run: Run) -> Figure:
         norm=scale,
         linewidths=FAR + (NEAR - FAR) * nearness,
         capstyle="round",
+        rasterized=True,
     )
     return in_relief(drawn, whole.positions, scale)
