@@ -30,7 +30,7 @@ def row(check: Check) -> str:
     """One check as a row."""
     cells = (
         *(check.what, number(check.expected), check.source, number(check.found)),
-        *(f"{check.off:.1g}" if check.off else "0", f"{check.most:.1g}", f"`{check.test}`"),
+        *(f"{check.off:.1g}" if check.off else "0", f"{check.most:.1g}", f"{f"`{check.test}`" if "/" in check.test else check.test}"),
     )
     return f"| {' | '.join(cells)} |"
 
