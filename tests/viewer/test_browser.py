@@ -1,4 +1,4 @@
-"""The viewer in a real browser: what is clicked, pressed and slid has its effect, and the numbers are those of the run."""
+"""The viewer in a real browser: what is clicked, pressed and slid has its effect; the numbers are those of the run."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Tab:
         rows = self.page.eval_on_selector_all(
             ".pf-panel tr[data-key]", "rows => rows.map(row => [row.dataset.key, Number(row.dataset.value)])"
         )
-        return {key: value for key, value in reversed(rows)}
+        return dict(reversed(rows))
 
     def click(self, node: int) -> None:
         """Click where a node is drawn."""
@@ -276,7 +276,8 @@ def test_a_phone_shows_all_without_scrolling_sideways(show: Opener, made: tuple[
 
 def test_nothing_moves_on_the_page_when_things_are_chosen(show: Opener) -> None:
     tab = show()
-    place = "[...document.querySelectorAll('.pf-stage, .pf-panel, .pf-slider, #case')].map(e => e.getBoundingClientRect().top + scrollY)"
+    parts = "document.querySelectorAll('.pf-stage, .pf-panel, .pf-slider, #case')"
+    place = f"[...{parts}].map(part => part.getBoundingClientRect().top + scrollY)"
     before = tab.page.evaluate(place)
     for key in tab.js("viewer.quantities.map(one => one.key)"):
         tab.js(f"viewer.ask({{ colour: '{key}', times: 50, picked: {{ kind: 'node', number: 5 }} }})")
@@ -292,8 +293,11 @@ def test_nothing_is_drawn_while_nothing_changes(show: Opener) -> None:
 
 
 def test_playing_ends_at_the_last_shape_and_hops_where_motion_is_unwelcome(show: Opener) -> None:
-    tab = show(reduced_motion="reduce", script="window.setTimeout = (go => (what, wait) => go(what, wait / 20))(setTimeout)")
-    tab.js("(window.times = [], viewer.ask = (ask => asked => (window.times.push(asked.time), ask.call(viewer, asked)))(viewer.ask), 0)")
+    tab = show(
+        reduced_motion="reduce", script="window.setTimeout = (go => (what, wait) => go(what, wait / 20))(setTimeout)"
+    )
+    listening = "(ask => asked => (window.times.push(asked.time), ask.call(viewer, asked)))(viewer.ask)"
+    tab.js(f"(window.times = [], viewer.ask = {listening}, 0)")
     tab.page.get_by_role("button", name="flat", exact=True).click()
     tab.page.locator(".pf-play").click()
     tab.page.wait_for_function(f"{VIEWER}.state.time === 3 && !{VIEWER}.state.playing")
@@ -346,7 +350,9 @@ def test_strokes_are_on_the_slider_and_not_among_the_buttons(show: Opener) -> No
     tab = show("stretched")
     assert tab.page.locator(".pf-chip").all_inner_texts() == ["flat", "in the tool", "released"]
     tab.js("viewer.ask({ time: 2 })")
-    assert tab.page.locator(".pf-caption").inner_text() == "Stroke 2 of 4: the punch is down to 50.0\u00a0% of its depth."
+    assert (
+        tab.page.locator(".pf-caption").inner_text() == "Stroke 2 of 4: the punch is down to 50.0\u00a0% of its depth."
+    )
     depth = tab.js("viewer.skins[0][1].object.scale.z")
     assert depth == pytest.approx(0.5)
 
@@ -370,5 +376,8 @@ def test_a_hundred_thousand_nodes_are_few_megabytes_and_few_draw_calls(
 
 
 def test_the_program_and_its_style_name_no_address() -> None:
-    assert set(re.findall(r"https?://[^\s\"'`)]+", program() + style())) <= {"http://www.w3.org/1999/xhtml", "http://www.w3.org/2000/svg"}
+    assert set(re.findall(r"https?://[^\s\"'`)]+", program() + style())) <= {
+        "http://www.w3.org/1999/xhtml",
+        "http://www.w3.org/2000/svg",
+    }
     assert "</script" not in program()

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from importlib.resources import files
+from pathlib import Path
+
 import numpy as np
 import pytest
 import stretched
@@ -9,11 +12,15 @@ import tiny_dish
 
 from punchform.accuracy import deviations
 from punchform.arrays import Floats
+from punchform.case import read_case
 from punchform.case.reading import case_from_text
+from punchform.drape import drape
 from punchform.export.vtp import judging, node_shear
-from punchform.report.viewer import Pose, Scene, scene_of
+from punchform.report.drape import write_drape_report
+from punchform.report.viewer import Pose, Scene, scene_of, scene_of_net, scene_of_shell
 from punchform.report.viewer.skins import punch_skin
 from punchform.run import Run, run
+from punchform.shell import form_shell
 
 STAGES = 'schema = 1\nstages = ["press", { trim = { radius = "62 mm" } }, "release"]'
 
@@ -103,7 +110,9 @@ def test_strokes_lie_between_flat_and_formed_on_the_lowered_punch() -> None:
     assert names(scene)[:5] == ["flat", "stroke 1 of 4", "stroke 2 of 4", "stroke 3 of 4", "in the tool"]
     assert [pose.share for pose in scene.poses[:5]] == pytest.approx([0.0, 0.25, 0.5, 0.75, 1.0])
     for pose in scene.poses[1:4]:
-        assert np.abs(pose.share * done.formed.surface.height(pose.positions[:, :2]) - pose.positions[:, 2]).max() < 1e-6
+        assert (
+            np.abs(pose.share * done.formed.surface.height(pose.positions[:, :2]) - pose.positions[:, 2]).max() < 1e-6
+        )
     assert {"elongation", "plastic_strain"} <= {one.key for one in scene.quantities}
 
 
@@ -145,7 +154,9 @@ def test_skins_lie_on_their_surfaces(dish: Run) -> None:
     punch, target = scene_of(dish).skins
     points = punch.points.reshape(-1, 3)
     assert np.abs(dish.formed.surface.distance(points)).max() < 1e-9
-    assert float(np.hypot(*points.T[:2]).max()) == pytest.approx(float(np.hypot(*dish.formed.whole.positions.T[:2]).max()))
+    assert float(np.hypot(*points.T[:2]).max()) == pytest.approx(
+        float(np.hypot(*dish.formed.whole.positions.T[:2]).max())
+    )
     assert dish.accuracy is not None
     pose = judging(dish.accuracy).fit.pose
     assert np.abs(deviations(target.points.reshape(-1, 3), dish.accuracy.target, pose).normal).max() < 1e-9
@@ -155,5 +166,27 @@ def test_rings_are_closer_where_the_punch_bends(dish: Run) -> None:
     rho = punch_skin(dish.formed.surface, 70.0).points[:, 0, 0]
     gaps = np.diff(rho)
     assert (gaps > 0).all()
-    fillet = (rho[1:] > 45) & (rho[1:] < 60)
+    fillet = (rho[1:] > 50) & (rho[1:] < 60)
     assert gaps[fillet].mean() < 0.7 * gaps[rho[1:] < 30].mean()
+
+
+def test_a_net_that_ends_before_the_blank_does(tmp_path: Path) -> None:
+    deep = tiny_dish.TEXT.replace(
+        'kind = "paraboloid", focal_length = "60 mm"', 'kind = "sphere", radius = "60.5 mm"', 1
+    )
+    done = drape(case_from_text(deep[: deep.index("[release]")]), origin=(45.0, 0.0))
+    scene = scene_of_net(done)
+    assert not done.net.complete
+    missing = np.isnan(scene.poses[1].positions[:, 0])
+    assert 0 < missing.sum() < len(missing)
+    assert np.isfinite(figure(scene.poses[1], "shear")[~missing]).any()
+    write_drape_report(done, tmp_path)
+    assert 'data-scene="scene"' in (tmp_path / "report.html").read_text("utf-8")
+
+
+def test_a_gridshell_has_forces_and_no_punch() -> None:
+    done = form_shell(read_case(Path(str(files("punchform") / "cases" / "gridshell.toml"))))
+    scene = scene_of_shell(done)
+    assert names(scene) == ["flat", "standing"]
+    assert scene.skins == ()
+    assert np.sort(figure(scene.poses[1], "axial_force")) == pytest.approx(np.sort(done.formed.whole.F[:, 0]))
