@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import re
 import shutil
 from collections.abc import Generator
@@ -361,10 +362,9 @@ def test_a_hundred_thousand_nodes_are_few_megabytes_and_few_draw_calls(
     show: Opener, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.syspath_prepend(str(Path(__file__).resolve().parents[2] / "benchmarks"))
-    from viewer_pages import page_of, paraboloid
-
-    scene = paraboloid(100_000)
-    text = page_of(scene)
+    pages = importlib.import_module("viewer_pages")
+    scene = pages.paraboloid(100_000)
+    text = pages.page_of(scene)
     assert len(scene.index) > 95_000
     assert len(text) < 11e6
     tab = show(text=text)

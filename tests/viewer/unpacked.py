@@ -39,7 +39,7 @@ class Unpacked:
         if "missing" in told:
             mask = np.frombuffer(self.blob, np.uint8, -(-told["n"] // 8), told["missing"])
             values[np.unpackbits(mask, bitorder="little")[: told["n"]] == 1] = np.nan
-        return values
+        return np.asarray(values, dtype=np.float64)
 
     def points(self, told: list[dict[str, Any]]) -> Floats:
         """Points (n, 3)."""
