@@ -171,10 +171,15 @@ def test_rings_are_closer_where_the_punch_bends(dish: Run) -> None:
 
 
 def test_a_net_that_ends_before_the_blank_does(tmp_path: Path) -> None:
-    deep = tiny_dish.TEXT.replace(
-        'kind = "paraboloid", focal_length = "60 mm"', 'kind = "sphere", radius = "60.5 mm"', 1
-    )
-    done = drape(case_from_text(deep[: deep.index("[release]")]), origin=(45.0, 0.0))
+    text = tiny_dish.TEXT[: tiny_dish.TEXT.index("[release]")]
+    for shallow, deep in (
+        ('kind = "paraboloid", focal_length = "60 mm"', 'kind = "sphere", radius = "54 mm"'),
+        ('fillet = "20 mm"', 'fillet = "7 mm"'),
+        ('shape = "circle", radius = "70 mm"', 'shape = "rectangle", size = ["180 mm", "180 mm"]'),
+    ):
+        assert shallow in text
+        text = text.replace(shallow, deep)
+    done = drape(case_from_text(text), origin=(42.0, 0.0))
     scene = scene_of_net(done)
     assert not done.net.complete
     missing = np.isnan(scene.poses[1].positions[:, 0])
