@@ -174,7 +174,8 @@ def test_a_net_that_ends_before_the_blank_does(tmp_path: Path) -> None:
     text = tiny_dish.TEXT[: tiny_dish.TEXT.index("[release]")]
     for shallow, deep in (
         ('kind = "paraboloid", focal_length = "60 mm"', 'kind = "sphere", radius = "54 mm"'),
-        ('fillet = "20 mm"', 'fillet = "7 mm"'),
+        ('fillet = "20 mm"', 'fillet = "7.2 mm"'),
+        ('step = "10 mm"', 'step = "4.5 mm"'),
         ('shape = "circle", radius = "70 mm"', 'shape = "rectangle", size = ["180 mm", "180 mm"]'),
     ):
         assert shallow in text
