@@ -185,7 +185,7 @@ def test_two_runs_are_one_page_and_one_json(
     (energy,) = (one for one in out["figures"] if one["key"] == "formed.energy_mJ")
     assert energy["values"] == [file["formed"]["energy_mJ"] for file in files]
     text = page.read_text(encoding="utf-8")
-    assert len(text) < 1_000_000
+    assert len(text) < 1_300_000
     assert all(f'id="{kind.name}_{number}"' in text for kind in KINDS for number in (1, 2))
 
 

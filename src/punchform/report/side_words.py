@@ -141,10 +141,11 @@ def _reasons(found: Sequence[Judged]) -> tuple[str, ...]:
     as_held = near.aligned is near.accuracy.as_held and near.accuracy.judge.measure == far.accuracy.judge.measure
     if tools[0] is not None and tools[1] is not None and as_held:
         if max(tools[0].rms, tools[1].rms) < ROUNDING:
-            return (
-                *told,
-                "In the tool the crossings of both lie on the target: the difference comes with the release.",
+            names = listed([one.side.name for one in (near, far)])
+            told.append(
+                f"In the tool the crossings of {names} lie on the target: the difference comes with the release."
             )
+            return tuple(told)
         in_tool = (tools[1].rms ** 2 - tools[0].rms ** 2) / more
         where = "is there in the tool already" if in_tool > OF_THE_TOOL else "comes with the release"
         told.append(
