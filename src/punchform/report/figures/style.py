@@ -6,6 +6,7 @@ Colour maps are ordered by lightness, so they survive colour blindness and a gre
 
 from __future__ import annotations
 
+from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -33,9 +34,18 @@ SEQUENTIAL, DIVERGING, RELIEF = "YlGnBu", "RdBu_r", "cividis"
 TEXT = 9.0
 
 
+class Drawn(Figure):
+    """A figure that notebooks show as it is, also where nothing has set up Matplotlib for them."""
+
+    def _repr_png_(self) -> bytes:
+        picture = BytesIO()
+        self.savefig(picture, format="png")
+        return picture.getvalue()
+
+
 def new_figure(width: float, height: float) -> Figure:
     """An empty white figure; width and height in inches."""
-    figure = Figure(figsize=(width, height), dpi=DPI, facecolor="white")
+    figure = Drawn(figsize=(width, height), dpi=DPI, facecolor="white")
     FigureCanvasAgg(figure)
     return figure
 
