@@ -137,6 +137,14 @@ def test_the_same_twice_is_equally_near_and_of_one_case() -> None:
     assert nearest(sides((("one", dish()), ("other", dish())))) is None
 
 
+def test_another_nearest_after_the_best_fits_is_told() -> None:
+    """What lies lower all round is mended by a best fit, lobes are not."""
+    low, lobed = Side("low", moved(-3.0), {}), Side("lobed", moved(0.0, 4.0), {})
+    assert nearest((low, lobed)) == "lobed"
+    assert "after the best fits low has" in " ".join(comparison_words((low, lobed)))
+    assert "after the best fits" not in " ".join(comparison_words((Side("less", moved(0.0, 2.0), {}), lobed)))
+
+
 def test_other_targets_and_none_are_told() -> None:
     other = dish('[target]\nprofile = { kind = "paraboloid", focal_length = "60 mm" }',
                  '[target]\nprofile = { kind = "paraboloid", focal_length = "61 mm" }')  # fmt: skip
