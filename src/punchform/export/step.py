@@ -6,14 +6,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from punchform import __version__
 from punchform.export.heading import heading
 from punchform.export.occt import demand_occt, step_data, trimmed_face
 from punchform.export.punch_files import PLATE
 from punchform.export.shapes import shapes
-from punchform.export.spline import spline_of
+from punchform.export.spline import Spline, spline_of
 from punchform.export.step_punch import punch_solid
 from punchform.export.stl import EDGE, punches
+from punchform.press import Formed
 
 if TYPE_CHECKING:
     from punchform.run import Run
@@ -28,8 +31,8 @@ def step_files(run: Run, folder: Path) -> tuple[Path, ...]:
     """Write formed.step, released.step, ... for the shapes that the run has, and punch.step, with a correction also
     punch_designed.step; in mm, AP214.
 
-    Faces go through every crossing and end at the hull of the flat crossings; what they miss is in the header, as is
-    by how much the solid misses the punch. Raises InputError without the extra `step`, OSError.
+    Faces go through every crossing and end at the hull of the flat crossings. By how much they miss crossings and, in
+    the tool, the punch between them is in the header, as is by how much the solid misses the punch. Raises InputError without the extra `step`, OSError.
     """
     demand_occt()
     written = []
@@ -37,6 +40,8 @@ def step_files(run: Run, folder: Path) -> tuple[Path, ...]:
         spline = spline_of(stage.whole)
         face = trimmed_face(spline.poles, spline.degrees, spline.knots, spline.outline)
         told = f"one B-spline surface, within {max(spline.missed(stage.whole), DIGITS):.0e} mm of every crossing"
+        if isinstance(stage, Formed):
+            told += f", in the middles of cells within {off_the_punch(spline, stage):.0e} mm of the punch"
         path = folder / f"{name}.step"
         path.write_bytes(step_bytes(face, name, (*heading(run, f"the shape, {name}"), told)))
         written.append(path)
@@ -47,6 +52,13 @@ def step_files(run: Run, folder: Path) -> tuple[Path, ...]:
         path.write_bytes(step_bytes(solid, name, (*heading(run, name.replace("_", ", ")), told)))
         written.append(path)
     return tuple(written)
+
+
+def off_the_punch(spline: Spline, formed: Formed) -> float:
+    """Largest distance [mm] of the surface through the crossings from the punch in the middles of cells: what a grid of
+    this step does not know of the punch."""
+    middles = formed.whole.flat[formed.whole.cells, :2].mean(axis=1)
+    return float(np.abs(formed.surface.distance(spline.at(middles))).max(initial=0.0))
 
 
 def step_bytes(shape: Any, name: str, heading: Sequence[str]) -> bytes:
