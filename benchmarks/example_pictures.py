@@ -38,7 +38,9 @@ WIDTH, HEIGHT, DOTS = 5.6, 3.5, 110
 HEMISPHERE, EQUATOR = 100.0, 0.98050675
 """Radius of the packaged hemisphere [mm]; threads over the radius from the pole to the equator along the bias."""
 NEAR_NIL = 1e-9
-COLOURS = 96
+COLOURS = 128
+SMALL = (280, 175)
+"""Of a picture in the gallery [pixels]."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,7 @@ def main() -> None:
     asked.write.mkdir(parents=True, exist_ok=True)
     for name in asked.only:
         done = run(read_case(f"packaged:{name}"))
-        _save(drawn(done, PICTURES[name]), asked.write / f"{name}.png")
+        _save(drawn(done, PICTURES[name]), asked.write / f"{name}.png", small=asked.write / f"{name}_small.png")
         if name in CURVES:
             _save(CURVES[name](done), asked.write / f"{name}_curve.png")
 
@@ -135,12 +137,12 @@ def plastic(done: Run) -> Floats:
 
 
 def opening(done: Run) -> Floats:
-    """The smaller side of a cell without its wires: what passes through it [mm]."""
+    """The longer side of a cell without its wires: what passes through it [mm]."""
     whole, wire = done.final.whole, done.case.wire.diameter
     corners = whole.positions[whole.cells]
     sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     thickness = wire / np.sqrt(_of_wires(whole, whole.stretch))
-    return np.asarray(sides.min(axis=1) - thickness)
+    return np.asarray(sides.max(axis=1) - thickness)
 
 
 def height_field(done: Run) -> Floats:
@@ -230,11 +232,18 @@ def _curve(across: str) -> Figure:
     return figure
 
 
-def _save(figure: Figure, file: Path) -> None:
-    """Write a picture with few colours, which makes it a quarter as large."""
+def _save(figure: Figure, file: Path, *, small: Path | None = None) -> None:
+    """Write a picture with few colours, which makes it a quarter as large; and once more for the gallery."""
     drawn = BytesIO()
     figure.savefig(drawn, format="png")
-    Image.open(drawn).convert("RGB").quantize(COLOURS, method=Image.Quantize.MEDIANCUT).save(file, optimize=True)
+    image = Image.open(drawn).convert("RGB")
+    _few_colours(image).save(file, optimize=True)
+    if small is not None:
+        _few_colours(image.resize(SMALL, Image.Resampling.LANCZOS)).save(small, optimize=True)
+
+
+def _few_colours(image: Image.Image) -> Image.Image:
+    return image.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE)
 
 
 PICTURES = {

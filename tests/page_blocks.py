@@ -9,7 +9,8 @@ What a fenced block is, its language says, and remarks in HTML comments above it
     csv       is written, `<!-- file: NAME.csv -->`
     text      is read by people only; under `<!-- printed -->` it is what the program above it prints
 
-`<!-- run: COMMAND -->` runs a command that the page need not show. `<!-- held by: tests/X.py -->` leaves a block to the
+`<!-- run: COMMAND -->` runs a command that the page need not show, `<!-- begins with: how_to/index.md -->` writes the files
+of that page first. `<!-- held by: tests/X.py -->` leaves a block to the
 test of that name, which reads the page itself: searches that take minutes.
 """
 
@@ -25,7 +26,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 FENCE = re.compile(r"^```([^\n`]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-REMARK = re.compile(r"^<!-- (run|file|in|printed|held by)(?:: (.*?))? -->$", re.MULTILINE)
+REMARK = re.compile(r"^<!-- (run|begins with|file|in|printed|held by)(?:: (.*?))? -->$", re.MULTILINE)
 HEADER = re.compile(r"^\[([\w.\"]+)\]", re.MULTILINE)
 LANGUAGES = ("console", "toml", "python", "csv", "text")
 DIRECTIVES = ("{include}", "{literalinclude}", "{toctree}", "{figure}", "{note}", "{tip}", "{warning}")
@@ -61,8 +62,11 @@ def _blocks(text: str) -> Iterator[Block]:
         yield Block(fence[1].strip(), fence[2], text[: fence.start()].count("\n") + 1, remarks)
     plain = FENCE.sub(lambda fence: "\n" * fence[0].count("\n"), text)
     for found in REMARK.finditer(plain):
+        line = plain[: found.start()].count("\n") + 1
         if found[1] == "run":
-            yield Block("console", f"$ {found[2]}\n", plain[: found.start()].count("\n") + 1, {}, hidden=True)
+            yield Block("console", f"$ {found[2]}\n", line, {}, hidden=True)
+        elif found[1] == "begins with":
+            yield Block("begins with", found[2], line, {}, hidden=True)
 
 
 def commands(text: str) -> list[tuple[str, list[str]]]:
@@ -123,6 +127,10 @@ class Folder:
         if "held by" in block.remarks:
             test = (ROOT / block.remarks["held by"]).read_text(encoding="utf-8")
             assert Path(page).name in test, f"{block.remarks['held by']} does not read {page}"
+        elif block.language == "begins with":
+            for other in blocks((ROOT / "docs" / block.text).read_text(encoding="utf-8")):
+                if "file" in other.remarks:
+                    self.run(other, page)
         elif block.language == "console":
             self._console(block)
         elif block.language == "toml":

@@ -1,7 +1,10 @@
 // Colour maps of even steps to the eye: one for what begins at zero, one that parts at zero; for light and dark ground.
 // On both grounds small values are near the ground and large ones stand out.
 
-const VIRIDIS = ["#440154", "#482475", "#414487", "#355f8d", "#2a788e", "#21918c", "#22a884", "#44bf70", "#7ad151", "#bddf26", "#fde725"];
+const RISING = {
+  light: ["#c5cdb9", "#86bf94", "#3f9f8c", "#2b7a8c", "#355a8a", "#43307a", "#3a0a52"],
+  dark: ["#3b3f7a", "#31688e", "#21918c", "#35b779", "#90d743", "#fde725"],
+};
 const PARTED = {
   light: ["#0a2f66", "#2f73b8", "#aab0b8", "#cf5a34", "#7a1210"],
   dark: ["#a6d4ff", "#4690d8", "#4c545e", "#e07440", "#ffd3ad"],
@@ -10,13 +13,14 @@ const SHADES = 256;
 
 /** The colours (256 x 4 bytes) of a map on a ground, "light" or "dark". */
 export function colourMap(signed, ground) {
+  const stops = (signed ? PARTED : RISING)[ground].map((stop) => toLab(rgb(stop).map(toLinear)));
+  const middle = (stops.length - 1) / 2;
+  const halves = signed ? [stops.slice(0, middle + 1), stops.slice(middle)] : [stops];
   const bytes = new Uint8Array(4 * SHADES);
   for (let k = 0; k < SHADES; k += 1) {
-    const share = k / (SHADES - 1);
-    const stops = signed ? PARTED[ground] : VIRIDIS;
-    // The end of the map that would vanish on the ground is left out.
-    const place = signed ? share : ground === "light" ? 0.84 * (1 - share) : 0.2 + 0.8 * share;
-    bytes.set([...between(stops, place), 255], 4 * k);
+    const share = (halves.length * k) / (SHADES - 1);
+    const half = Math.min(Math.floor(share), halves.length - 1);
+    bytes.set([...fromLab(evenly(halves[half], share - half)).map(toByte), 255], 4 * k);
   }
   return bytes;
 }
@@ -36,13 +40,19 @@ export function rgb(text) {
   return parts.length < 3 ? [0.5, 0.5, 0.5] : parts.slice(0, 3).map((part) => Number(part) / 255);
 }
 
-function between(stops, share) {
-  const place = share * (stops.length - 1);
-  const first = Math.min(Math.floor(place), stops.length - 2);
-  const [one, other] = [stops[first], stops[first + 1]].map((stop) => toLab(rgb(stop).map(toLinear)));
-  const lab = one.map((value, k) => value + (place - first) * (other[k] - value));
-  return fromLab(lab).map((value) => Math.round(255 * toGamma(Math.min(1, Math.max(0, value)))));
+/** The colour after a share of the way along stops, the way as long as it looks. */
+function evenly(stops, share) {
+  const steps = stops.slice(1).map((stop, k) => Math.hypot(...stop.map((value, axis) => value - stops[k][axis])));
+  let left = share * steps.reduce((a, b) => a + b, 0);
+  let k = 0;
+  while (k < steps.length - 1 && left > steps[k]) {
+    left -= steps[k];
+    k += 1;
+  }
+  return stops[k].map((value, axis) => value + Math.min(1, left / steps[k]) * (stops[k + 1][axis] - value));
 }
+
+const toByte = (value) => Math.round(255 * toGamma(Math.min(1, Math.max(0, value))));
 
 // Oklab: steps of equal size look equally large.
 function toLab([r, g, b]) {

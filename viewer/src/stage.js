@@ -31,6 +31,7 @@ export function stageOn(canvas, { smooth, drawnOnce, turned }) {
   let radius = 1;
   let height = 1;
   let pictures = 0;
+  let ready = false;
 
   function draw() {
     waiting = false;
@@ -40,7 +41,7 @@ export function stageOn(canvas, { smooth, drawnOnce, turned }) {
   }
 
   function again() {
-    if (waiting) return;
+    if (waiting || !ready) return;
     waiting = true;
     requestAnimationFrame(() => { if (waiting) draw(); });
   }
@@ -61,15 +62,21 @@ export function stageOn(canvas, { smooth, drawnOnce, turned }) {
     renderer.setSize(width, tall, false);
     pixels.value = [width / 2, tall / 2];
     shape();
-    draw();
+    if (ready) draw();
   }
 
   controls.addEventListener("change", () => { again(); turned(); });
+  resize();
   new ResizeObserver(resize).observe(canvas);
 
   return {
     scene, camera, controls, pixels, renderer, again, draw,
     get pictures() { return pictures; },
+    /** From now on there is something to draw. */
+    begin() {
+      ready = true;
+      again();
+    },
     /** Pixels of the page per mm. */
     get scale() { return (camera.zoom * canvas.clientHeight) / (2 * height); },
     ground(colour) { scene.background = new Color().setRGB(...colour, renderer.outputColorSpace); },

@@ -48,13 +48,15 @@ class Viewer {
     this.ranges = new Map();
     this.state = this.first();
     this.build();
+    // The layout of a viewer that is there, so that the picture knows its size.
+    root.dataset.ready = "true";
     this.dress();
     this.stage.look("oblique", this.reach());
     this.theme = watchTheme(root, () => this.coloursOfTheGround());
     this.coloursOfTheGround();
     group.join(this);
+    this.stage.begin();
     root.viewer = this;
-    root.dataset.ready = "true";
     group.refresh(this);
   }
 
@@ -95,7 +97,8 @@ class Viewer {
     this.controls.head.append(this.legend.root);
     root.replaceChildren(
       this.controls.head,
-      element("div", { class: "pf-main" }, element("div", { class: "pf-stage" }, this.canvas, this.overlay.root, tools, this.still), this.panel.root),
+      element("div", { class: "pf-stage" }, this.canvas, this.overlay.root, tools, this.still),
+      this.panel.root,
       this.controls.foot,
       element("details", { class: "pf-help" }, element("summary", {}, "Mouse, touch and keys"),
         element("p", {}, "Drag to turn, drag with the right button or two fingers to move, wheel (after a click) or two fingers to come nearer; a click or tap picks. With the picture chosen:"),

@@ -1,8 +1,8 @@
 // The wires of one family as one draw call: ribbons of some pixels for small grids, plain lines for large ones.
 
 import {
-  BufferAttribute, BufferGeometry, DynamicDrawUsage, GLSL3, InstancedBufferAttribute, InstancedBufferGeometry,
-  InstancedInterleavedBuffer, InterleavedBufferAttribute, LineSegments, Mesh, RawShaderMaterial,
+  BufferAttribute, BufferGeometry, DynamicDrawUsage, GLSL3, InterleavedBuffer, InterleavedBufferAttribute, LineSegments,
+  Mesh, RawShaderMaterial,
 } from "three";
 import { NOTHING } from "./shapes.js";
 
@@ -97,8 +97,7 @@ export function wiresOf(scene, family, uniforms) {
     },
     quarter(only) {
       const shown = only ? pieces.quarter : pieces.all.length;
-      if (ribbons) geometry.instanceCount = shown;
-      else geometry.setDrawRange(0, 2 * shown);
+      geometry.setDrawRange(0, (ribbons ? 6 : 2) * shown);
     },
   };
 }
@@ -125,15 +124,38 @@ function lineGeometry(corners, values) {
   return { geometry, changed: (which) => { attributes[which].needsUpdate = true; } };
 }
 
+/** Four corners for each piece, every one with both ends: instances of a quad would be slow without a graphics card. */
 function ribbonGeometry(corners, values) {
-  const geometry = new InstancedBufferGeometry();
-  const both = new InstancedInterleavedBuffer(corners, 6, 1).setUsage(DynamicDrawUsage);
-  const attributes = { corners: both, values: new InstancedBufferAttribute(values, 2).setUsage(DynamicDrawUsage) };
-  geometry.setAttribute("corner", new BufferAttribute(new Float32Array([0, -1, 1, -1, 1, 1, 0, 1]), 2));
-  geometry.setIndex([0, 1, 2, 0, 2, 3]);
-  geometry.setAttribute("origin", new InterleavedBufferAttribute(both, 3, 0));
-  geometry.setAttribute("tip", new InterleavedBufferAttribute(both, 3, 3));
-  geometry.setAttribute("value", attributes.values);
-  geometry.instanceCount = corners.length / 6;
-  return { geometry, changed: (which) => { attributes[which].needsUpdate = true; } };
+  const count = corners.length / 6;
+  const ends = new InterleavedBuffer(new Float32Array(4 * corners.length), 6).setUsage(DynamicDrawUsage);
+  const told = new BufferAttribute(new Float32Array(4 * values.length), 2).setUsage(DynamicDrawUsage);
+  const sides = new Float32Array(8 * count);
+  const triangles = new Uint32Array(6 * count);
+  for (let k = 0; k < count; k += 1) {
+    sides.set([0, -1, 1, -1, 1, 1, 0, 1], 8 * k);
+    triangles.set([0, 1, 2, 0, 2, 3].map((corner) => 4 * k + corner), 6 * k);
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("corner", new BufferAttribute(sides, 2));
+  geometry.setIndex(new BufferAttribute(triangles, 1));
+  geometry.setAttribute("origin", new InterleavedBufferAttribute(ends, 3, 0));
+  geometry.setAttribute("tip", new InterleavedBufferAttribute(ends, 3, 3));
+  geometry.setAttribute("value", told);
+  return {
+    geometry,
+    changed(which) {
+      if (which === "corners") fourfold(corners, 6, ends);
+      else fourfold(values, 2, told);
+    },
+  };
+}
+
+function fourfold(from, size, to) {
+  for (let k = 0; k < from.length; k += size) {
+    for (let part = 0; part < size; part += 1) {
+      const value = from[k + part];
+      for (let copy = 0; copy < 4; copy += 1) to.array[4 * k + copy * size + part] = value;
+    }
+  }
+  to.needsUpdate = true;
 }

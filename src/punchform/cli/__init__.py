@@ -24,6 +24,7 @@ from punchform.errors import InputError, NoEquilibrium
 COMMANDS = {
     "form": "form:form",
     "drape": "drape:drape_case",
+    "report": "report:report",
     "compare": "compare:compare_points",
     "compensate": "compensate:compensate_punch",
     "sensitivity": "sensitivity:sensitivity",

@@ -27,6 +27,17 @@ def drape(command: ArgumentParser) -> None:
     options.manners(command)
 
 
+def report(command: ArgumentParser) -> None:
+    """The arguments of `report`."""
+    command.add_argument("runs", metavar="RUN", nargs="+", help="folder that `punchform form` wrote; several: one page")
+    group = command.add_argument_group("results")
+    group.add_argument(
+        "-o", "--output", metavar="FILE", help="page to write; without it one run gets its report.html, several a table"
+    )
+    group.add_argument("--overwrite", action="store_true", help="replace the file")
+    options.manners(command, json="print the comparison as JSON, of one run its result.json")
+
+
 def compare(command: ArgumentParser) -> None:
     """The arguments of `compare`."""
     command.add_argument("run", metavar="RUN", help="folder that `punchform form` wrote")

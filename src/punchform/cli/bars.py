@@ -21,10 +21,10 @@ WIDTH = 24
 
 
 class Bars:
-    """Bars by the names of their stages. They leave nothing behind when they stop."""
+    """Bars by the names of their stages, shown by `lines`. They leave nothing behind when they stop."""
 
     def __init__(self, console: Console, *, at_once: int = 1) -> None:
-        self._lines = Lines(
+        self.lines = Lines(
             SpinnerColumn(finished_text=" "),
             TextColumn("{task.description}", markup=False),
             _Bar(bar_width=WIDTH),
@@ -34,35 +34,35 @@ class Bars:
         )
         self._at_once = at_once
         self._bars: dict[str, TaskID] = {}
-        self._now = self._lines.add_task("starting", total=None, far=None)
+        self._now = self.lines.add_task("starting", total=None, far=None)
 
     def start(self) -> None:
         """Show the lines."""
-        self._lines.start()
+        self.lines.start()
 
     def stop(self) -> None:
         """Take the lines away."""
-        self._lines.stop()
+        self.lines.stop()
 
     def words(self, words: str) -> None:
         """Say below the bars what is being done."""
-        self._lines.update(self._now, description=words)
+        self.lines.update(self._now, description=words)
 
     def tell(self, event: Progress, *, known: float = 0.0) -> None:
         """Move the bar of a stage; one that begins again has a new time, and one that is done goes away."""
         assert event.total is not None
         name = event.stage.partition(",")[0]
         bar = self._bars.get(name)
-        far = None if bar is None else self._lines.tasks[self._lines.task_ids.index(bar)].fields["far"]
+        far = None if bar is None else self.lines.tasks[self.lines.task_ids.index(bar)].fields["far"]
         if bar is None or far is None or event.done < far.done:
             if bar is not None:
-                self._lines.remove_task(bar)
+                self.lines.remove_task(bar)
             far = _Far(Remaining(at_once=self._at_once))
-            bar = self._bars[name] = self._lines.add_task(name, total=event.total, far=far)
+            bar = self._bars[name] = self.lines.add_task(name, total=event.total, far=far)
         far.tell(event, known)
-        self._lines.update(bar, completed=event.done, total=event.total)
+        self.lines.update(bar, completed=event.done, total=event.total)
         if event.done >= event.total:
-            self._lines.remove_task(self._bars.pop(name))
+            self.lines.remove_task(self._bars.pop(name))
 
 
 class _Far:

@@ -10,7 +10,7 @@ import shlex
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from punchform.case import PREFIX, packaged_cases
+from punchform.case import PREFIX, TEMPLATE, packaged_cases
 from punchform.cli.exits import Exit
 from punchform.cli.parser import parser
 
@@ -68,7 +68,7 @@ def _word(action: argparse.Action) -> Word:
     if metavar == "CASE":
         return Word(tuple(PREFIX + case for case in packaged_cases()), "file")
     if metavar == "EXAMPLE":
-        return Word(packaged_cases())
+        return Word(tuple(case for case in packaged_cases() if case != TEMPLATE))
     return Word((), "folder" if metavar in FOLDERS else "file" if metavar in FILES else "none")
 
 
@@ -109,22 +109,20 @@ _punchform() {{
         elif [[ $word == -* ]]; then [[ " $taking " == *" $word "* ]] && skip=yes
         else place=$((place + 1)); fi
     done
-    if [[ $skip ]]; then
-        case $command:$before in
+    if [[ $skip ]]; then case $command:$before in
 {_lines(values)}
-        esac
-    elif [[ $current == -* ]]; then
-        case $command in
+    esac
+    elif [[ $current == -* ]]; then case $command in
 {_lines(offered)}
-        esac
-    else
-        case $command:$place in
+    esac
+    else case $command:$place in
 {_lines(places)}
-        esac
+    esac
     fi
     COMPREPLY=($(compgen -W "$words" -- "$current"))
     if [[ $kind ]]; then
-        compopt -o filenames 2>/dev/null
+        # Among file names bash would put a backslash before the colon of packaged:NAME.
+        (( ${{#COMPREPLY[@]}} )) || compopt -o filenames 2>/dev/null
         while IFS= read -r word; do COMPREPLY+=("$word"); done < <(compgen -$kind -- "$current")
     fi
     # What stands before the last colon is on the line already.
@@ -136,7 +134,7 @@ complete -F _punchform punchform"""
 
 
 def _lines(branches: list[str]) -> str:
-    return "\n".join(f"            {branch}" for branch in branches)
+    return "\n".join(f"        {branch}" for branch in branches)
 
 
 def _bash_word(word: Word) -> str:

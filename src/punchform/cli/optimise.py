@@ -27,7 +27,7 @@ def optimise_case(path: str, output: str, *, means: Means, overwrite: bool, as_j
 
     Raises InputError for a case or a folder that cannot be used, NoEquilibrium when no design has figures.
     """
-    from punchform.optimise.evaluations import Record
+    from punchform.optimise.evaluations import Record, recorded
     from punchform.optimise.problem import question_of
     from punchform.optimise.search import search, way_of
     from punchform.optimise.search_folder import RECORD, open_folder, write_found
@@ -43,22 +43,22 @@ def optimise_case(path: str, output: str, *, means: Means, overwrite: bool, as_j
     except InputError as error:
         raise source.placed(error) from None
     folder = open_folder(output, case, overwrite=overwrite)
-    with Record(folder / RECORD) as record:
-        try:
-            with (
-                Talk(means.voice, at_once=1 if way == "gradient" else means.workers or 1) as talk,
-                _evaluates(question, record, means, way) as (ask, slopes),
-            ):
-                notes([f"method {way}: {why}"], means.voice)
-                if way == "gradient" and (means.workers or means.scheduler):
-                    idle = "downhill goes one design after the other, here: other workers have nothing to do"
-                    notes([idle], means.voice)
-                known = {evaluation.key for evaluation in record}
-                found = search(question, ask, slopes=slopes, observe=_Telling(question, talk, known))
-        except KeyboardInterrupt:
-            kept = sum(not is_slopes(one) for one in record)
-            say(f"note: {kept} designs are done")
-            raise
+    try:
+        with (
+            Record(folder / RECORD) as record,
+            Talk(means.voice, at_once=1 if way == "gradient" else means.workers or 1) as talk,
+            _evaluates(question, record, means, way) as (ask, slopes),
+        ):
+            notes([f"method {way}: {why}"], means.voice)
+            if way == "gradient" and (means.workers or means.scheduler):
+                idle = "downhill goes one design after the other, here: other workers have nothing to do"
+                notes([idle], means.voice)
+            known = {evaluation.key for evaluation in record}
+            found = search(question, ask, slopes=slopes, observe=_Telling(question, talk, known))
+    except KeyboardInterrupt:
+        kept = sum(not is_slopes(one) for one in recorded(folder / RECORD))
+        say(f"note: {kept} designs are done")
+        raise
     text = write_found(folder, found)
     write_search_report(found, case, folder)
     print(text.rstrip() if as_json else summary(found, folder))

@@ -38,6 +38,7 @@ GROUPS: dict[str, dict[str, Command]] = {
         "drape": Command("lay the grid over the punch with wires of constant length, no solve", arguments.drape),
     },
     "judge": {
+        "report": Command("the report of a run anew, or several runs side by side", arguments.report),
         "compare": Command("hold measured points against the target and a run", arguments.compare),
         "sensitivity": Command("which numbers matter, and what tolerance each needs", arguments.sensitivity),
         "tolerances": Command("what the scatter of wire, grid and tool does to accuracy", arguments.tolerances),

@@ -80,6 +80,25 @@ def evaluated(
 ) -> tuple[Evaluation, ...]:
     """Every distinct design, in order, with its table in the folder; what its record holds already is not computed
     again; places: the settings that have columns. Ctrl-C leaves a folder from which the same command goes on."""
+    from punchform.optimise.evaluations import recorded
+    from punchform.optimise.sweep_folder import RECORD
+
+    try:
+        return _evaluated(case, designs, folder, asked, means, places, parquet)
+    except KeyboardInterrupt:
+        say(f"note: {len(recorded(folder / RECORD))} of {len(designs)} designs are done")
+        raise
+
+
+def _evaluated(
+    case: Case,
+    designs: Sequence[Mapping[str, Any]],
+    folder: Path,
+    asked: Request,
+    means: Means,
+    places: Sequence[str],
+    parquet: bool,
+) -> tuple[Evaluation, ...]:
     from punchform.optimise.evaluations import Record
     from punchform.optimise.sweep import sweep
     from punchform.optimise.sweep_folder import RECORD, write_state
@@ -90,15 +109,11 @@ def evaluated(
     with Record(folder / RECORD) as record, GrowingTable(folder / TABLE, case, places, record) as table:
         known = {evaluation.key for evaluation in record}
         with workers_of(means) as workers, _Telling(len(designs), workers.count, means.voice) as telling:
-            try:
-                for evaluation in sweep(case, designs, executor=workers, record=record, keys=keys):
-                    done[evaluation.key] = evaluation
-                    if evaluation.key not in known:
-                        table.add(evaluation)
-                    telling.tell(len(done), failed=evaluation.failed, known=evaluation.key in known)
-            except KeyboardInterrupt:
-                say(f"note: {len(record)} of {len(designs)} designs are done")
-                raise
+            for evaluation in sweep(case, designs, executor=workers, record=record, keys=keys):
+                done[evaluation.key] = evaluation
+                if evaluation.key not in known:
+                    table.add(evaluation)
+                telling.tell(len(done), failed=evaluation.failed, known=evaluation.key in known)
         everything = tuple(done[key] for key in keys)
         table.ordered(everything)
         if parquet:

@@ -55,6 +55,11 @@ EXAMPLES: dict[str, tuple[Example, ...]] = {
         Example("punchform drape dish.toml -o runs/net45 --direction '45 deg'", "wires laid across the axes"),
         Example("punchform drape dish.toml -o runs/lock --shear-limit '30 deg'", "a mesh that locks at 30 degrees"),
     ),
+    "report": (
+        Example("punchform report runs/dish", "its report anew, from what the run folder keeps"),
+        Example("punchform report runs/dish runs/fine", "a table of both, and which is nearer to the wanted shape"),
+        Example("punchform report runs/dish runs/fine -o both.html", "the same as a page, with the figures"),
+    ),
     "compare": (
         Example("punchform compare runs/dish points.csv -o runs/part", "measured points, laid over by a best fit"),
         Example(

@@ -39,8 +39,11 @@ SEEN = 0.005
 """A part that is less than this share of the mean square gets no figure at its bar."""
 
 
-def draw_deviation(run: Run, accuracy: Accuracy, aligned: Aligned) -> Figure:
-    """Every judged crossing as a square coloured by its deviation, within the tolerance green; the others pale."""
+def draw_deviation(run: Run, accuracy: Accuracy, aligned: Aligned, *, reach: float | None = None) -> Figure:
+    """Every judged crossing as a square coloured by its deviation, within the tolerance green; the others pale.
+
+    reach: where the scale ends [mm], when figures have it in common.
+    """
     whole = run.final.whole
     values = aligned.deviations.of(accuracy.judge.measure)
     figure = new_figure(*HALF)
@@ -50,7 +53,7 @@ def draw_deviation(run: Run, accuracy: Accuracy, aligned: Aligned) -> Figure:
     mask = accuracy.mask & crossing
     others = squares(whole.positions[crossing & ~mask], step)
     axes.add_collection(in_colour(others, np.zeros(len(others)), Normalize(-1, 1), _one(PALE), width=0.0))
-    scale, colours = deviation_colours(values[mask], accuracy.judge.tolerance)
+    scale, colours = deviation_colours(values[mask], accuracy.judge.tolerance, reach)
     axes.add_collection(in_colour(squares(whole.positions[mask], step), values[mask], scale, colours, width=0.0))
     angle = np.linspace(0, 2 * np.pi, 181)
     for radius in (accuracy.aperture.inner_radius, accuracy.aperture.radius):

@@ -12,8 +12,10 @@ from io import BytesIO
 from pathlib import Path
 from urllib.parse import quote
 
+import numpy as np
 from matplotlib import rc_context
 from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import Collection
 from matplotlib.figure import Figure
 from PIL import Image
@@ -35,9 +37,10 @@ def save(figure: Figure, path: Path) -> None:
 
 def png(figure: Figure) -> bytes:
     """The figure as PNG with 256 colours: a third of the bytes of one with all of them."""
-    drawn = BytesIO()
-    figure.savefig(drawn, format="png", pil_kwargs={"compress_level": 0})
-    return _few_colours(Image.open(drawn).convert("RGB"), Image.Quantize.MEDIANCUT)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())[:, :, :3])
+    return _few_colours(drawn, Image.Quantize.MEDIANCUT)
 
 
 def svg(figure: Figure) -> str:
@@ -79,5 +82,5 @@ def _smaller(picture: re.Match[str]) -> str:
 def _few_colours(image: Image.Image, method: Image.Quantize) -> bytes:
     written = BytesIO()
     few = image.quantize(COLOURS, method=method, dither=Image.Dither.NONE)
-    few.save(written, format="png", compress_level=9)
+    few.save(written, format="png", compress_level=6)
     return written.getvalue()

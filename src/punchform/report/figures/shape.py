@@ -28,11 +28,15 @@ WIRES_ACROSS = 60
 
 
 def draw_shape(run: Run) -> Figure:
+    """The grid in the tool."""
+    return draw_whole(run.formed.whole)
+
+
+def draw_whole(whole: Whole) -> Figure:
     """Parallel projection, drawn from the back to the front so that near parts hide far ones.
 
     Our own projection instead of 3D axes: those draw wires through the surface and are slow on large grids.
     """
-    whole = run.formed.whole
     corners, wires = whole.positions[whole.cells], whole.positions[some_wires(whole)]
     scale = Normalize(float(whole.positions[:, 2].min()), float(whole.positions[:, 2].max()))
     fills = _shaded(corners, scale)

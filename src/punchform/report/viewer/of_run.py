@@ -10,7 +10,7 @@ import numpy as np
 from punchform.accuracy import Accuracy, feet
 from punchform.arrays import Floats, Ints
 from punchform.export.told import laid
-from punchform.export.vtp import judging
+from punchform.export.vtp import judging, node_shear
 from punchform.report.release_words import hold_words
 from punchform.report.viewer.scene import Figure, Mark, Pose, Quantity, Scene, Skin
 from punchform.report.viewer.shaped import (
@@ -27,11 +27,13 @@ from punchform.report.viewer.shaped import (
     wires_in_order,
 )
 from punchform.report.viewer.skins import punch_skin, target_skin
-from punchform.report.words import size
+from punchform.report.words import percent, size
+from punchform.whole import cell_shear, unfold_vectors
 
 if TYPE_CHECKING:
     from punchform.case import ReleaseCase
     from punchform.load import Loaded
+    from punchform.press import Formed
     from punchform.release import Released
     from punchform.run import Run, Stage
     from punchform.trim import Trimmed
@@ -39,6 +41,8 @@ if TYPE_CHECKING:
 
 HELD, FIT = "deviation_held", "deviation_fit"
 NAMES = {"press": "in the tool", "release": "released", "trim": "trimmed", "load": "loaded"}
+MOST_PLACES = 240_000
+"""Positions of strokes that a scene holds at most."""
 SAG = Quantity("release_moved", "vertical move by the release", "mm", "node", signed=True, note="+ up")
 DEFLECTION = Quantity("load_moved", "move by the load, along the normal", "mm", "node", signed=True, note="+ outwards")
 
@@ -61,6 +65,8 @@ def scene_of(run: Run, title: str | None = None) -> Scene:
     begin = 0
     for last, stage in zip((None, *run.stages), run.stages, strict=False):
         at = places(whole, ground.ends, stage.done.whole)
+        if stage.kind == "press":
+            poses += _strokes(run, stage, at)
         poses.append(_pose(run, stage, last, at, poses[-1], asked))
         begin = len(poses) - 1 if stage.done is run.final else begin
     shown = {figure.key for pose in poses for figure in pose.figures if np.isfinite(figure.values).any()}
@@ -125,6 +131,31 @@ def _pose(run: Run, stage: Stage, last: Stage | None, at: Places, before: Pose, 
         references,
         tool=stage.kind == "press" or (stage.kind == "trim" and before.tool),
     )
+
+
+def _strokes(run: Run, stage: Stage, at: Places) -> list[Pose]:
+    """The shapes on the way down, the last one left out; of many strokes on a large grid only some."""
+    formed = cast("Formed", stage.done)
+    whole, strokes = formed.whole, formed.strokes
+    count = min(len(strokes) - 1, MOST_PLACES // len(whole.flat))
+    kept = np.unique(np.linspace(1, len(strokes) - 1, count).round().astype(int)) if count > 0 else ()
+    before = "" if run.case.stages is None else f"{stage.name}: "
+    poses = []
+    for number in kept:
+        stroke = strokes[number - 1]
+        positions = unfold_vectors(formed.grid, stroke.positions)
+        shear = np.degrees(node_shear(len(positions), whole.cells, cell_shear(positions, whole.cells)))
+        poses.append(
+            Pose(
+                f"{before}stroke {number} of {len(strokes)}",
+                f"the punch is down to {percent(stroke.share)} of its depth",
+                at.of_nodes(positions),
+                (Figure(SHEAR.key, at.of_nodes(shear)),),
+                share=stroke.share,
+                stroke=True,
+            )
+        )
+    return poses
 
 
 def _own_figures(stage: Stage, last: Stage | None, at: Places) -> tuple[Figure, ...]:
