@@ -32,7 +32,8 @@ def step_files(run: Run, folder: Path) -> tuple[Path, ...]:
     punch_designed.step; in mm, AP214.
 
     Faces go through every crossing and end at the hull of the flat crossings. By how much they miss crossings and, in
-    the tool, the punch between them is in the header, as is by how much the solid misses the punch. Raises InputError without the extra `step`, OSError.
+    the tool, the punch between them is in the header, as is by how much the solid misses the punch. Raises InputError
+    without the extra `step`, OSError.
     """
     demand_occt()
     written = []
