@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -40,16 +41,16 @@ def step_files(run: Run, folder: Path) -> tuple[Path, ...]:
     for name, stage in shapes(run).items():
         spline = spline_of(stage.whole)
         face = trimmed_face(spline.poles, spline.degrees, spline.knots, spline.outline)
-        told = f"one B-spline surface, within {max(spline.missed(stage.whole), DIGITS):.0e} mm of every crossing"
+        told = f"one B-spline surface, within {no_more_than(spline.missed(stage.whole))} mm of every crossing"
         if isinstance(stage, Formed):
-            told += f", in the middles of cells within {off_the_punch(spline, stage):.0e} mm of the punch"
+            told += f", in the middles of cells within {no_more_than(off_the_punch(spline, stage))} mm of the punch"
         path = folder / f"{name}.step"
         path.write_bytes(step_bytes(face, name, (*heading(run, f"the shape, {name}"), told)))
         written.append(path)
     for name, tool in punches(run).items():
         solid, missed = punch_solid(tool, radius=EDGE * tool.rim_radius, plate=PLATE)
         path = folder / f"{name}.step"
-        told = f"within {max(missed, DIGITS):.0e} mm of the punch"
+        told = f"within {no_more_than(missed)} mm of the punch"
         path.write_bytes(step_bytes(solid, name, (*heading(run, name.replace("_", ", ")), told)))
         written.append(path)
     return tuple(written)
@@ -60,6 +61,12 @@ def off_the_punch(spline: Spline, formed: Formed) -> float:
     this step does not know of the punch."""
     middles = formed.whole.flat[formed.whole.cells, :2].mean(axis=1)
     return float(np.abs(formed.surface.distance(spline.at(middles))).max(initial=0.0))
+
+
+def no_more_than(size: float) -> str:
+    """A size to one digit, rounded up, and at least what the digits of the file hold."""
+    power = 10.0 ** math.floor(math.log10(max(size, DIGITS)) + 1e-9)
+    return f"{math.ceil(max(size, DIGITS) / power - 1e-9) * power:.0e}"
 
 
 def step_bytes(shape: Any, name: str, heading: Sequence[str]) -> bytes:
