@@ -22,6 +22,10 @@ from punchform.press import Formed
 if TYPE_CHECKING:
     from punchform.run import Run
 
+WHAT = {
+    "punch": "the punch, up to the surface that the crossings lie on",
+    "punch_designed": "the punch without its correction, up to the surface that the crossings lie on",
+}
 DIGITS = 1e-9
 """What digits of the file hold [mm]."""
 NO_DATE = "1970-01-01T00:00:00"
@@ -51,7 +55,7 @@ def step_files(run: Run, folder: Path) -> tuple[Path, ...]:
         solid, missed = punch_solid(tool, radius=EDGE * tool.rim_radius, plate=PLATE)
         path = folder / f"{name}.step"
         told = f"within {no_more_than(missed)} mm of the punch"
-        path.write_bytes(step_bytes(solid, name, (*heading(run, name.replace("_", ", ")), told)))
+        path.write_bytes(step_bytes(solid, name, (*heading(run, WHAT[name]), told)))
         written.append(path)
     return tuple(written)
 
