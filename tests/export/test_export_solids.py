@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import sys
 from dataclasses import replace
 from io import BytesIO
@@ -26,6 +27,7 @@ from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 from scipy.integrate import quad
+from scipy.interpolate import NdBSpline
 from scipy.spatial import Delaunay
 
 from punchform.arrays import Floats
@@ -199,6 +201,37 @@ def test_a_step_file_holds_every_crossing(name: str, tmp_path: Path) -> None:
         assert "SI_UNIT(.MILLI.,.METRE.)" in text
         assert "within 1e-09 mm of every crossing" in text
         assert "'units: lengths mm" in text
+
+
+def written_spline(text: str) -> NdBSpline:
+    """The B-spline surface of a STEP file, read from its text without a kernel."""
+    joined = re.sub(r"\s+", "", text)
+    points = {
+        int(number): [float(cell) for cell in cells.split(",")]
+        for number, cells in re.findall(r"#(\d+)=CARTESIAN_POINT\('',\(([^)]*)\)\)", joined)
+    }
+    found = re.search(
+        r"B_SPLINE_SURFACE_WITH_KNOTS\('',(\d+),(\d+),\((\(.*?\))\),\.UNSPECIFIED\.,\.F\.,\.F\.,\.F\.,"
+        r"\(([\d,]+)\),\(([\d,]+)\),\(([^)]*)\),\(([^)]*)\)",
+        joined,
+    )
+    assert found is not None
+    rows = re.findall(r"\(([^)]*)\)", found[3])
+    poles = np.array([[points[int(name.removeprefix("#"))] for name in row.split(",")] for row in rows])
+    times = [[int(one) for one in found[k].split(",")] for k in (4, 5)]
+    knots = [[float(one) for one in found[k].split(",")] for k in (6, 7)]
+    full = tuple(np.repeat(each, count) for each, count in zip(knots, times, strict=True))
+    return NdBSpline(full, poles, (int(found[1]), int(found[2])))
+
+
+def test_the_text_of_a_step_file_is_the_surface_over_the_flat(tmp_path: Path) -> None:
+    """Read without the kernel that wrote it: u and v are the flat x and y."""
+    run = made("let go whole")
+    step_files(run, tmp_path)
+    for name, stage in shapes(run).items():
+        kept = slice(0, stage.whole.crossings)
+        surface = written_spline((tmp_path / f"{name}.step").read_text(encoding="ascii"))
+        np.testing.assert_allclose(surface(stage.whole.flat[kept, :2]), stage.whole.positions[kept], atol=1e-9)
 
 
 def test_a_face_ends_at_the_hull_of_the_crossings(tmp_path: Path) -> None:
