@@ -14,9 +14,27 @@ from punchform.wire import Section
 
 ACROSS = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 """The first axis of the sections of wires along x and along y, as far as it lies across the beam."""
-POINTS = np.array([(a, n1, n2) for n1 in (-1, 1) for n2 in (1, -1) for a in (-1, 1)]) / np.sqrt(3.0)
-"""The eight integration points in their order: along the beam, along the first and the second axis of its section, as
-parts of the half lengths."""
+GAUSS, KRONROD = 1 / np.sqrt(3.0), np.sqrt(6.0 / 7.0)
+"""The integration points on a line: two of Gauss, which the rule of Kronrod keeps when it adds the middle and these."""
+
+
+def _points() -> Floats:
+    """The integration points of a beam in their order, (50, 3): along the beam, along the first and the second axis of
+    its section, as parts of the half lengths. The eight of Gauss come first, then those that Kronrod's rule adds to the
+    section at either of the two places along the beam."""
+    first = [(a, n1, n2) for n1 in (-GAUSS, GAUSS) for n2 in (GAUSS, -GAUSS) for a in (-GAUSS, GAUSS)]
+    line = (-KRONROD, -GAUSS, 0.0, GAUSS, KRONROD)
+    added = [
+        (a, n1, n2)
+        for a in (-GAUSS, GAUSS)
+        for n1 in line
+        for n2 in line[::-1]
+        if not (abs(n1) == GAUSS and abs(n2) == GAUSS)
+    ]
+    return np.array(first + added)
+
+
+POINTS = _points()
 
 
 @dataclass(frozen=True)
@@ -39,7 +57,7 @@ def square(section: Section) -> Square:
 
 
 def stresses(beams: Beams, whole: Whole, loads: Floats, side: float) -> Floats:
-    """Stresses (B, 8, 6) [MPa], xx, yy, zz, xy, xz, yz, of the beams of the wires.
+    """Stresses (B, 50, 6) [MPa], xx, yy, zz, xy, xz, yz, of the beams of the wires.
 
     loads (M, 2, 6): on the ends of the elements, as `end_loads` says; side [mm] of the square section. The force in an
     element is everywhere that on its far end, the moment follows from it by statics.

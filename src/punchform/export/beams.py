@@ -32,10 +32,10 @@ AT_NODE = 1e-6
 
 @dataclass(frozen=True)
 class Beams:
-    """Beams of three nodes, end, middle, end; nodes count from 0, the first are those of the whole grid in its order.
+    """Beams of wires with three nodes, end, middle, end; nodes count from 0, the first are those of the whole grid in its order.
 
     places (P, 3) [mm]; wires (B, 3): beams of wires, `count` after each other from O to B of every element of the
-    whole grid; family (B,): 1 or 2; element (B,): of the whole grid; arms (A, 3): stiff beams from a centre outwards; ties (T, 2): nodes that
+    whole grid; family (B,): 1 or 2; element (B,): of the whole grid; arms (A, 2): stiff beams from a centre outwards; ties (T, 2): nodes that
     move alike; centres (N, 2): of both wires of each node of the whole grid, -1 where none passes.
     """
 
@@ -79,7 +79,7 @@ def beams(
         wires=np.stack((chains[:, :-2:2], chains[:, 1::2], chains[:, 2::2]), axis=2).reshape(-1, 3),
         family=np.repeat(whole.family, count),
         element=np.repeat(np.arange(len(whole.family)), count),
-        arms=np.array(arms.made, dtype=np.int64).reshape(-1, 3),
+        arms=np.array(arms.made, dtype=np.int64).reshape(-1, 2),
         ties=ties,
         centres=centres,
         count=count,
@@ -104,7 +104,7 @@ class _Arms:
 
     def __init__(self, nodes: _Growing, whole: Whole, centres: Ints, nothing: float) -> None:
         self.nodes, self.whole, self.centres, self.nothing = nodes, whole, centres, nothing
-        self.made: list[tuple[int, int, int]] = []
+        self.made: list[tuple[int, int]] = []
         self.known: dict[tuple[int, int], int] = {}
 
     def to(self, at: Ints, family: Ints, off: Floats) -> Ints:
@@ -114,9 +114,9 @@ class _Arms:
             centre = int(self.centres[node, w - 1])
             key = centre, round(far / self.nothing)
             if key[1] and key not in self.known:
-                arm = np.array([[0.5], [1.0]]) * far * self.whole.normals[node]
-                middle, self.known[key] = self.nodes.add(self.whole.positions[node] + arm).tolist()
-                self.made.append((centre, middle, self.known[key]))
+                place = self.whole.positions[node] + far * self.whole.normals[node]
+                self.known[key] = int(self.nodes.add(place[None])[0])
+                self.made.append((centre, self.known[key]))
             found[m] = self.known[key] if key[1] else centre
         return found
 

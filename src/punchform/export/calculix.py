@@ -25,11 +25,26 @@ RESIDUAL = "1e-4, 1e-3"
 
 @dataclass(frozen=True)
 class Step:
-    """One step: forces (N, 3) [N] on the nodes of the grid at its end, and the first, least and largest part of it."""
+    """One step: what nodes of the grid are pushed with at its end, forces (N, 3) [N], and how far those that are held
+    have moved by then, moves (N, 3) [mm]; parts: the first, least and largest part of it."""
 
     title: str
     forces: Floats
+    moves: Floats
     parts: tuple[float, float, float] = (1.0, 1e-5, 1.0)
+
+
+@dataclass(frozen=True)
+class Support:
+    """What is held: clamped (N,) nodes of the grid keep place and directions; fixed (N, 3): where the others stay."""
+
+    clamped: Bools
+    fixed: Bools
+
+    @property
+    def nodes(self) -> Ints:
+        """The nodes that are held in any direction."""
+        return np.flatnonzero(self.clamped | self.fixed.any(axis=1))
 
 
 def deck(
@@ -38,29 +53,29 @@ def deck(
     section: Square,
     stress: Floats,
     *,
-    clamped: Bools,
-    fixed: Bools,
+    support: Support,
     sets: dict[str, Ints],
     steps: Sequence[Step],
 ) -> str:
     """The text of a deck.
 
-    stress (B, 8, 6) [MPa] as `stresses` gives it; clamped (N,): nodes of the grid that keep place and directions;
-    fixed (N, 3): directions in which the others cannot move; sets: nodes of the grid by the name of their set.
+    stress (B, 50, 6) [MPa] as `stresses` gives it; sets: nodes of the grid by the name of their set, beside GRID for
+    all of them and HELD for those that are held.
     """
+    sets = {"GRID": np.arange(len(support.clamped)), "HELD": support.nodes, **sets}
     lines = [f"** {line}" for line in heading]
     lines += ["*NODE, NSET=ALL", *_numbered(beams.places)]
     lines += _sections(beams, section)
     for name, nodes in sets.items():
-        lines += [f"*NSET, NSET={name}", *_in_rows(nodes + 1)]
+        if nodes.size:
+            lines += [f"*NSET, NSET={name}", *_in_rows(nodes + 1)]
     for one, other in (beams.ties + 1).tolist():
         for axis in (1, 2, 3):
             lines += ["*EQUATION", "2", f"{other}, {axis}, 1., {one}, {axis}, -1."]
-    lines += ["*BOUNDARY", *_boundary(beams, clamped, fixed)]
     lines += ["*INITIAL CONDITIONS, TYPE=STRESS", *_stresses(stress)]
-    loaded = np.any([step.forces != 0 for step in steps], axis=0)
+    pushed = np.any([step.forces != 0 for step in steps], axis=0)
     for step in steps:
-        lines += _step(step, loaded, bool(clamped.any() or fixed.any()))
+        lines += _step(step, beams, support, pushed)
     return "\n".join(lines) + "\n"
 
 
@@ -84,7 +99,7 @@ def _sections(beams: Beams, section: Square) -> list[str]:
             lines.append(f"*BEAM SECTION, ELSET={part}, MATERIAL=WIRE, ORIENTATION={turn}, SECTION=RECT")
             lines += [sides, _row(across)]
         lines += [f"*ELSET, ELSET={name}", *(f"{name}_{k}," for k in range(1, len(parts) + 1))]
-    axes = unit(beams.places[beams.arms[:, 2]] - beams.places[beams.arms[:, 0]])
+    axes = unit(beams.places[beams.arms[:, 1]] - beams.places[beams.arms[:, 0]])
     steep = np.abs(axes[:, 0]) > STEEP
     for name, own, across in zip(ARMS, map(np.flatnonzero, (~steep, steep)), ACROSS[::-1], strict=True):
         if own.size:
@@ -105,36 +120,43 @@ def _directions(beams: Beams, family: int) -> tuple[Floats, list[Ints]]:
 
 def _group(name: str, ends: Ints, numbers: Ints) -> list[str]:
     rows = np.column_stack((numbers, ends)) + 1
-    return [f"*ELEMENT, TYPE=B32R, ELSET={name}", *("%d, %d, %d, %d" % tuple(row) for row in rows.tolist())]
+    kind = "B32R" if rows.shape[1] == 4 else "B31"
+    return [f"*ELEMENT, TYPE={kind}, ELSET={name}", *(", ".join(map(str, row)) for row in rows.tolist())]
 
 
 def _row(values: Floats) -> str:
     return ", ".join(f"{one:.9g}" for one in (values + 0.0).tolist())
 
 
-def _boundary(beams: Beams, clamped: Bools, fixed: Bools) -> list[str]:
-    lines = [f"{centre + 1}, 1, 6" for node in np.flatnonzero(clamped) for centre in beams.centres[node] if centre >= 0]
-    free = np.flatnonzero(~clamped & fixed.any(axis=1))
-    return lines + [f"{node + 1}, {axis + 1}, {axis + 1}" for node in free for axis in np.flatnonzero(fixed[node])]
+def _boundary(beams: Beams, support: Support, moves: Floats) -> Iterable[str]:
+    for node in support.nodes.tolist():
+        if support.clamped[node]:
+            yield from (f"{centre + 1}, 1, 6" for centre in beams.centres[node].tolist() if centre >= 0)
+            continue
+        for axis in np.flatnonzero(support.fixed[node]).tolist():
+            moved = f", {moves[node, axis]:.9g}" if moves[node, axis] else ""
+            yield f"{node + 1}, {axis + 1}, {axis + 1}{moved}"
 
 
 def _stresses(stress: Floats) -> Iterable[str]:
     for k, points in enumerate((stress + 0.0).tolist(), 1):
         for number, values in enumerate(points, 1):
-            yield f"{k}, {number}, " + ", ".join(f"{one:.6g}" for one in values)
+            yield f"{k}, {number}, " + ",".join(f"{one:.5g}" for one in values)
 
 
-def _step(step: Step, loaded: Bools, held: bool) -> list[str]:
+def _step(step: Step, beams: Beams, support: Support, pushed: Bools) -> list[str]:
     first, least, most = step.parts
     lines = [f"** {step.title}", "*STEP, NLGEOM, INC=1000", "*STATIC", f"{first:g}, 1., {least:g}, {most:g}"]
     lines += ["*CONTROLS, PARAMETERS=FIELD", RESIDUAL]
-    if loaded.any():
-        lines.append("*CLOAD")
-        lines += [f"{n + 1}, {axis + 1}, {step.forces[n, axis] + 0.0:.9g}" for n, axis in np.argwhere(loaded)]
+    if support.nodes.size:
+        lines += ["*BOUNDARY", *_boundary(beams, support, step.moves)]
+    if pushed.any():
+        rows = np.argwhere(pushed).tolist()
+        lines += ["*CLOAD", *(f"{n + 1}, {axis + 1}, {step.forces[n, axis] + 0.0:.9g}" for n, axis in rows)]
     lines += ["*NODE PRINT, NSET=GRID, FREQUENCY=1000", "U"]
-    if held:
-        lines += ["*NODE PRINT, NSET=HELD, FREQUENCY=1000", "RF"]
-    return [*lines, "*NODE FILE, FREQUENCY=1000", "U, RF", "*EL FILE, FREQUENCY=1000", "S", "*END STEP"]
+    if support.nodes.size:
+        lines += ["*NODE PRINT, NSET=HELD, FREQUENCY=1000, TOTALS=YES", "RF"]
+    return [*lines, "*NODE FILE, OUTPUT=2D, FREQUENCY=1000", "U, RF", "*END STEP"]
 
 
 def _in_rows(numbers: Ints) -> Iterable[str]:
