@@ -39,6 +39,9 @@ LOOSE = "nothing holds the grid"
 NOTED = {"cone": (LOOSE,), "mask": (LOOSE,)}
 """How the notes begin that a case cannot avoid; all other cases have none."""
 
+DOUBTED = ("design",)
+"""Cases of which `check` says something: a fillet that is narrow for the widest of the steps to choose from."""
+
 
 @cache
 def done(name: str) -> Run:
@@ -48,7 +51,7 @@ def done(name: str) -> Run:
 @pytest.mark.parametrize("name", packaged_cases())
 def test_the_case_is_usable(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", f"packaged:{name}"]) == 0
-    assert capsys.readouterr().err == ""
+    assert (capsys.readouterr().err == "") == (name not in DOUBTED)
 
 
 @pytest.mark.parametrize("name", packaged_cases())
