@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 from functools import cache
+from importlib import import_module
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -41,6 +44,10 @@ NOTED = {"cone": (LOOSE,), "mask": (LOOSE,)}
 
 DOUBTED = ("design",)
 """Cases of which `check` says something: a fillet that is narrow for the widest of the steps to choose from."""
+
+PAGES = Path(__file__).resolve().parents[1] / "docs" / "examples"
+SHOWN = ("check", "dish600", "dish1200", "hemisphere", "cone", "offset", "mask")
+"""The cases that have a page there; `paper`, `gridshell`, `design` and `new` have theirs elsewhere."""
 
 
 @cache
@@ -204,7 +211,7 @@ def _mirrored(shaped: Shaped, axis: int) -> float:
 
 
 def test_the_mask_keeps_the_rules_of_the_sport() -> None:
-    """Wires of at least 1.0 mm and openings of at most 2.1 mm, in the finished bowl; the flat mesh has some to spare."""
+    """Wires of at least 1.0 mm and openings of at most 2.1 mm, in the finished bowl; the flat mesh has more."""
     found = done("mask")
     assert found.released is not None
     whole, wire = found.released.whole, found.case.wire.diameter
@@ -222,6 +229,32 @@ def test_the_dish_of_welded_mesh_loses_little_at_its_frequency() -> None:
     wavelength = 299_792.458 / 1420.0
     assert 10 * math.log10(math.exp((4 * math.pi * 4.0 / wavelength) ** 2)) == pytest.approx(0.25, abs=0.05)
     assert accuracy.judged.rms < 2.0
+
+
+def test_every_case_is_in_the_gallery() -> None:
+    gallery = (PAGES / "index.md").read_text(encoding="utf-8")
+    assert {*SHOWN, "index"} == {page.stem for page in PAGES.glob("*.md")}
+    for name in packaged_cases():
+        assert f"packaged:{name}" in gallery or f"[{name}]({name}.md)" in gallery
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_the_page_shows_the_case_itself_and_a_small_picture(name: str) -> None:
+    page = (PAGES / f"{name}.md").read_text(encoding="utf-8")
+    shown = re.search(r"^```{literalinclude} (\S+)$", page, re.MULTILINE)
+    assert shown is not None
+    assert (PAGES / shown[1]).read_text(encoding="utf-8") == packaged_text(name)
+    pictures = re.findall(r"\((images/\w+\.png)\)", page)
+    assert f"images/{name}.png" in pictures
+    assert all((PAGES / picture).stat().st_size < 60_000 for picture in [*pictures, f"images/{name}_small.png"])
+
+
+def test_the_pictures_have_a_script(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(PAGES.parents[1] / "benchmarks"))
+    script = import_module("example_pictures")
+    assert set(script.PICTURES) == set(SHOWN)
+    figure = script.drawn(done("hemisphere"), script.PICTURES["hemisphere"])
+    assert [axes.get_ylabel() for axes in figure.axes] == ["", "shear [deg]"]
 
 
 def bias(whole: Whole) -> list[int]:
