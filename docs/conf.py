@@ -32,6 +32,7 @@ myst_enable_extensions = ["attrs_block", "colon_fence"]
 # Indented blocks are formulas; commands and programs stand in fences that name their language.
 highlight_language = "none"
 autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 python_display_short_literal_types = True
