@@ -57,6 +57,7 @@ class Viewer {
     group.join(this);
     this.stage.begin();
     root.viewer = this;
+    this.refresh();
     group.refresh(this);
   }
 
