@@ -16,18 +16,26 @@ LOAD = "[load]\ngravity = [0, 0, -1]\n"
 STAGES = 'stages = ["press", { trim = { radius = "65 mm" } }, "release", "press", "release"]'
 TRIMMED_LAST = 'stages = ["press", "release", { trim = { radius = "55 mm" } }]'
 CIRCLE = 'blank = { shape = "circle", radius = "70 mm" }'
+FILLET = 'fillet = "20 mm"'
 NOTCHED = """blank = { shape = "polygon", points = [[-90, -70], [90, -70], [90, -55], [65, -55], [65, 0], [85, 0],
     [85, 20], [65, 20], [65, 70], [-90, 70]] }"""
-CORRECTION = 'fillet = "20 mm"\ncorrection = { kind = "radial", points = [[0, 1.5], [20, 0.8], [40, 0.1], [50, 0]] }'
+CORRECTION = FILLET + '\ncorrection = { kind = "radial", points = [[0, 1.5], [20, 0.8], [40, 0.1], [50, 0]] }'
 
 
 def dish_of(
-    first: str = "", grid: str = "", more: str = "", blank: str = CIRCLE, punch: str = 'fillet = "20 mm"'
+    first: str = "",
+    *,
+    grid: str = "",
+    punch: str = FILLET,
+    release: str = "",
+    more: str = "",
+    blank: str = CIRCLE,
 ) -> Run:
-    """The tiny dish with other lines before its tables, in [grid], in [punch] and after."""
+    """The tiny dish with other lines before its tables, in [grid], [punch] and [release], and after all."""
     text = tiny_dish.TEXT.replace("schema = 1", f"schema = 1\n{first}")
     text = text.replace("[wire]", f"{grid}\n[wire]\ndensity = 7850").replace(CIRCLE, blank)
-    return form(case_from_text(text.replace('fillet = "20 mm"', punch) + more))
+    text = text.replace(FILLET, punch).replace("[release]", f"[release]\n{release}")
+    return form(case_from_text(text + more))
 
 
 def pressed() -> Run:
@@ -43,6 +51,7 @@ MADE: Mapping[str, Callable[[], Run]] = {
     "cut between crossings": lambda: dish_of(grid="subdivide = 2"),
     "loaded": lambda: dish_of(first="title = \"Schüssel ✓ '1'\"", more=LOAD),
     "in stages": lambda: dish_of(first=STAGES),
+    "let go whole": lambda: dish_of(release='symmetry = "full"', first=TRIMMED_LAST),
     "trimmed last": lambda: dish_of(first=TRIMMED_LAST),
     "notched": lambda: dish_of(blank=NOTCHED),
     "corrected": lambda: dish_of(punch=CORRECTION),

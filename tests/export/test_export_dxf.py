@@ -21,6 +21,7 @@ from punchform.arrays import Floats
 from punchform.export.blank import rim_lines
 from punchform.export.cut_list import COLUMNS, cut_list
 from punchform.export.dxf import dxf_files
+from punchform.export.points import point_files
 from punchform.export.strands import strands
 from punchform.run import Run
 from punchform.trim import Trimmed
@@ -120,7 +121,7 @@ def test_wire_of_the_cut_list_has_the_mass_that_the_load_weighs() -> None:
     assert all(cut.wire_length > cut.length for cut in cuts)
 
 
-@pytest.mark.parametrize("name", ["in stages", "trimmed last"])
+@pytest.mark.parametrize("name", ["in stages", "let go whole", "trimmed last"])
 def test_what_trims_cut_off_is_drawn_apart(name: str, drawn: dict[str, Path]) -> None:
     run = made(name)
     (trimmed,) = (stage.done for stage in run.stages if isinstance(stage.done, Trimmed))
@@ -128,7 +129,7 @@ def test_what_trims_cut_off_is_drawn_apart(name: str, drawn: dict[str, Path]) ->
     assert trimmed.pieces_cut > 0
     assert off.sum() == pytest.approx(trimmed.pieces_cut * run.case.grid.step[0])
     assert sum(cut.cut_off for cut in cut_list(run)) == pytest.approx(off.sum())
-    assert (drawn[name] / "trimmed.dxf").exists() == (name == "trimmed last")
+    assert (drawn[name] / "trimmed.dxf").exists() == (name in ("let go whole", "trimmed last"))
 
 
 def test_nothing_is_cut_off_without_a_trim() -> None:
@@ -182,6 +183,17 @@ def test_letters_of_any_kind_survive(drawn: dict[str, Path]) -> None:
     assert "\\U+2713" in head, "what the code page lacks is written as its number"
     assert decode_dxf_unicode(head).startswith(title)
     assert (drawn["loaded"] / "cut_list.csv").read_text(encoding="utf-8").startswith(f"# {title}")
+
+
+def test_a_title_of_two_lines_is_one_line_everywhere(tmp_path: Path) -> None:
+    run = made("elastic")
+    broken = replace(run, case=run.case.model_copy(update={"title": "one\n  two"}))
+    for path in (*dxf_files(broken, tmp_path), *point_files(broken, tmp_path)):
+        if path.suffix == ".dxf":
+            assert not ezdxf.readfile(path).audit().errors
+        else:
+            assert path.read_text(encoding="utf-8").startswith("# one two: ")
+    assert texts(ezdxf.readfile(tmp_path / "blank.dxf"), "HEADING")[0] == "one two: the flat blank"
 
 
 def test_the_same_run_gives_the_same_bytes(drawn: dict[str, Path], tmp_path: Path) -> None:

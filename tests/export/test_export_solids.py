@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import sys
 from dataclasses import replace
 from io import BytesIO
@@ -26,6 +27,8 @@ from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 from scipy.integrate import quad
+from scipy.interpolate import NdBSpline
+from scipy.spatial import Delaunay
 
 from punchform.arrays import Floats
 from punchform.case import FlatProfile, ParaboloidProfile, PunchCase, SphereProfile
@@ -34,7 +37,7 @@ from punchform.export.occt import demand_occt, trimmed_face
 from punchform.export.punch_files import PLATE, TOLERANCE
 from punchform.export.shapes import shapes
 from punchform.export.spline import filled, spline_of
-from punchform.export.step import step_bytes, step_files
+from punchform.export.step import no_more_than, step_bytes, step_files
 from punchform.export.step_punch import NEAR, NEAR_FIELD, punch_solid
 from punchform.export.stl import EDGE, punches, stl_files
 from punchform.punch import Corrected, HeightField, Paraboloid, RadialCorrection, Revolution, Tool, uncorrected
@@ -149,12 +152,22 @@ def test_the_surface_between_crossings_is_of_the_fourth_order() -> None:
     np.testing.assert_array_less(np.array(worst[1:]), np.array(worst[:-1]) / 12)
 
 
-def test_a_paraboloid_is_met_between_its_crossings() -> None:
-    """Cubics hold it exactly, and what a round blank lacks does not reach inside."""
+def test_a_paraboloid_is_met_between_its_crossings_up_to_the_hull() -> None:
+    """Cubics hold it exactly, and what a round blank lacks goes on bent as it is."""
     surface = Paraboloid(60.0)
     spline = spline_of(laid_on(surface, 5.0, 60.0))
-    places = np.random.default_rng(1).uniform(-35, 35, (300, 2))
-    np.testing.assert_allclose(spline.at(places)[:, 2], surface.height(places), atol=2e-3)
+    places = np.random.default_rng(1).uniform(-60, 60, (2000, 2))
+    places = places[Delaunay(spline.outline).find_simplex(places) >= 0]
+    assert np.hypot(*places.T).max() > 58
+    np.testing.assert_allclose(spline.at(places)[:, 2], surface.height(places), atol=2e-5)
+
+
+def test_a_single_wire_is_no_surface() -> None:
+    whole = laid_on(Paraboloid(60.0), 5.0, 60.0)
+    line = whole.index[:, 1] == 0
+    one = replace(whole, **{name: getattr(whole, name)[line] for name in ("index", "between", "flat", "positions")})
+    with pytest.raises(InputError, match="2 wires of each family"):
+        spline_of(one)
 
 
 def test_what_a_table_lacks_goes_on_straight_where_it_is_straight() -> None:
@@ -188,6 +201,37 @@ def test_a_step_file_holds_every_crossing(name: str, tmp_path: Path) -> None:
         assert "SI_UNIT(.MILLI.,.METRE.)" in text
         assert "within 1e-09 mm of every crossing" in text
         assert "'units: lengths mm" in text
+
+
+def written_spline(text: str) -> NdBSpline:
+    """The B-spline surface of a STEP file, read from its text without a kernel."""
+    joined = re.sub(r"\s+", "", text)
+    points = {
+        int(number): [float(cell) for cell in cells.split(",")]
+        for number, cells in re.findall(r"#(\d+)=CARTESIAN_POINT\('',\(([^)]*)\)\)", joined)
+    }
+    found = re.search(
+        r"B_SPLINE_SURFACE_WITH_KNOTS\('',(\d+),(\d+),\((\(.*?\))\),\.UNSPECIFIED\.,\.F\.,\.F\.,\.F\.,"
+        r"\(([\d,]+)\),\(([\d,]+)\),\(([^)]*)\),\(([^)]*)\)",
+        joined,
+    )
+    assert found is not None
+    rows = re.findall(r"\(([^)]*)\)", found[3])
+    poles = np.array([[points[int(name.removeprefix("#"))] for name in row.split(",")] for row in rows])
+    times = [[int(one) for one in found[k].split(",")] for k in (4, 5)]
+    knots = [[float(one) for one in found[k].split(",")] for k in (6, 7)]
+    full = tuple(np.repeat(each, count) for each, count in zip(knots, times, strict=True))
+    return NdBSpline(full, poles, (int(found[1]), int(found[2])))
+
+
+def test_the_text_of_a_step_file_is_the_surface_over_the_flat(tmp_path: Path) -> None:
+    """Read without the kernel that wrote it: u and v are the flat x and y."""
+    run = made("let go whole")
+    step_files(run, tmp_path)
+    for name, stage in shapes(run).items():
+        kept = slice(0, stage.whole.crossings)
+        surface = written_spline((tmp_path / f"{name}.step").read_text(encoding="ascii"))
+        np.testing.assert_allclose(surface(stage.whole.flat[kept, :2]), stage.whole.positions[kept], atol=1e-9)
 
 
 def test_a_face_ends_at_the_hull_of_the_crossings(tmp_path: Path) -> None:
@@ -277,6 +321,18 @@ def test_the_corners_of_the_solid_are_where_punch_and_plate_end() -> None:
         corners.add((round(math.hypot(place.X(), place.Y()), 6), round(place.Z(), 6)))
         found.Next()
     assert {(round(RADIUS, 6), -PLATE), (round(RADIUS, 6), 0.0), (RIM, 0.0)} <= corners
+
+
+def test_the_kernel_says_nothing(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    step_files(made("elastic"), tmp_path)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("size", "told"), [(0.0, "1e-09"), (0.041, "5e-02"), (0.04, "4e-02"), (0.95, "1e+00"), (1e-3, "1e-03")]
+)
+def test_what_is_said_to_be_within_is_never_rounded_down(size: float, told: str) -> None:
+    assert no_more_than(size) == told
 
 
 def test_step_files_are_the_same_every_time(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ Writer = Callable[["Run", Path], tuple[Path, ...]]
 class Format:
     """A format: what its files are for, and the module and function that write them, imported when it is asked for.
 
-    needs: the package of an extra that it cannot do without, none for most.
+    needs: the module of an extra that it cannot do without, none for most.
     """
 
     what: str
@@ -29,7 +29,9 @@ class Format:
     @property
     def there(self) -> bool:
         """Whether what it needs is installed."""
-        return self.needs is None or find_spec(self.needs) is not None
+        if self.needs is None:
+            return True
+        return find_spec(self.needs.partition(".")[0]) is not None and find_spec(self.needs) is not None
 
     @property
     def write(self) -> Writer:
@@ -44,7 +46,9 @@ FORMATS = {
     "csv": Format("nodes and wires of every stage as tables", "csv_tables:csv_files"),
     "dxf": Format("the flat blank with its cut list, and the wires in space", "dxf:dxf_files"),
     "points": Format("crossings and target with normals, for measuring machines", "points:point_files"),
-    "step": Format("B-spline surfaces of the grid, and the punch as a solid", "step:step_files", needs="OCP"),
+    "step": Format(
+        "B-spline surfaces of the grid, and the punch as a solid", "step:step_files", needs="OCP.collections"
+    ),
     "stl": Format("the punch as a closed solid of facets", "stl:stl_files"),
     "vtp": Format("the wires with all their fields, for ParaView", "vtp:vtp_files"),
     "vtu": Format("wires and cells of every shape with all that is known, for ParaView", "vtu:vtu_files"),

@@ -26,7 +26,7 @@ def demand_occt() -> None:
         raise InputError.of(
             f"STEP files need cadquery-ocp-novtk from version 8 on, which is not installed ({problem})",
             where="--to step",
-            hint="pip install 'punchform[step]': 67 MB to load, 380 MB on the disk",
+            hint="pip install 'punchform[step]': 67 MB to load, 390 MB on the disk",
         ) from problem
 
 

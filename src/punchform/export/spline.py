@@ -7,10 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from punchform.arrays import Bools, Floats
+from punchform.errors import InputError
 from punchform.whole import Whole
 
 DEGREE = 3
-STRAIGHT = 0.1
+FEWEST = 2
+"""Wires of a family without which there is no surface."""
+STRAIGHT = 0.01
 """How much less straight lines beyond the grid are wanted than lines whose bend goes on."""
 
 
@@ -45,7 +48,8 @@ def spline_of(whole: Whole) -> Spline:
     """The surface through the crossings of a grid; cubic, of lower degree where a direction has too few wires.
 
     The table of crossings (i, j) need not be full: what a round blank lacks of it goes on from what is there, with
-    least third differences along both families, and lies outside the outline unless the blank has a notch.
+    least third differences along both families, and lies outside the outline unless the blank has a notch. Raises
+    InputError for wires of which there is only one.
     """
     from scipy.interpolate import make_interp_spline
     from scipy.spatial import ConvexHull
@@ -54,6 +58,12 @@ def spline_of(whole: Whole) -> Spline:
     index, flat = whole.index[crossings], whole.flat[crossings, :2]
     low = index.min(axis=0)
     shape = index.max(axis=0) - low + 1
+    if shape.min() < FEWEST:
+        raise InputError.of(
+            f"a surface needs {FEWEST} wires of each family; this grid has {shape.min()} of one",
+            where="--to step",
+            hint="leave step out",
+        )
     known = np.zeros(shape, dtype=bool)
     table = np.zeros((*shape, 3))
     at = tuple((index - low).T)
