@@ -34,12 +34,12 @@ from punchform.arrays import Floats
 from punchform.case import FlatProfile, ParaboloidProfile, PunchCase, SphereProfile
 from punchform.errors import InputError
 from punchform.export.occt import demand_occt, trimmed_face
-from punchform.export.punch_files import PLATE, TOLERANCE
+from punchform.export.punch_files import EDGE, PLATE, TOLERANCE
 from punchform.export.shapes import shapes
 from punchform.export.spline import filled, spline_of
 from punchform.export.step import no_more_than, step_bytes, step_files
 from punchform.export.step_punch import NEAR, NEAR_FIELD, punch_solid
-from punchform.export.stl import EDGE, punches, stl_files
+from punchform.export.stl import punches, stl_files
 from punchform.punch import Corrected, HeightField, Paraboloid, RadialCorrection, Revolution, Tool, uncorrected
 from punchform.whole import Whole
 
