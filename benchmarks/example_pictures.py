@@ -15,6 +15,7 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
@@ -32,14 +33,14 @@ EYE = np.array([math.cos(ELEVATION) * math.cos(AZIMUTH), math.cos(ELEVATION) * m
 RIGHT = np.array([-math.sin(AZIMUTH), math.cos(AZIMUTH), 0.0])
 UP = np.cross(EYE, RIGHT)
 WIRES_ACROSS = 45
-INK = "#26323d"
+INK, UNKNOWN = "#26323d", "#d9dde1"
 WIDTH, HEIGHT, DOTS = 5.6, 3.5, 110
 """Of a picture [inch], and dots per inch."""
 HEMISPHERE, EQUATOR = 100.0, 0.98050675
 """Radius of the packaged hemisphere [mm]; threads over the radius from the pole to the equator along the bias."""
 NEAR_NIL = 1e-9
 COLOURS = 128
-SMALL = (280, 175)
+SMALL = (236, 180)
 """Of a picture in the gallery [pixels]."""
 
 
@@ -82,14 +83,13 @@ def drawn(done: Run, picture: Picture) -> Figure:
     scale = _scale(values[known], picture)
     shown = PolyCollection(
         plane[whole.cells[order]],
-        cmap="cividis" if picture.centre is None else "RdBu_r",
+        cmap=colormaps["cividis" if picture.centre is None else "RdBu_r"].with_extremes(bad=UNKNOWN),
         norm=scale,
         linewidths=0.2,
         edgecolors="face",
         zorder=1,
     )
     shown.set_array(np.where(known, values, np.nan)[order])
-    shown.get_cmap().set_bad("#d9dde1")
     axes.add_collection(shown)
     towards = (whole.normals @ EYE > 0.0)[whole.start]
     pieces = _some_wires(whole) & towards
@@ -239,7 +239,8 @@ def _save(figure: Figure, file: Path, *, small: Path | None = None) -> None:
     image = Image.open(drawn).convert("RGB")
     _few_colours(image).save(file, optimize=True)
     if small is not None:
-        _few_colours(image.resize(SMALL, Image.Resampling.LANCZOS)).save(small, optimize=True)
+        without_scale = image.crop((0, 0, int(0.82 * image.width), image.height))
+        _few_colours(without_scale.resize(SMALL, Image.Resampling.LANCZOS)).save(small, optimize=True)
 
 
 def _few_colours(image: Image.Image) -> Image.Image:

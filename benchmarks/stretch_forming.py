@@ -1,4 +1,4 @@
-"""Stretch-forming against draw-forming: the packaged case `stretch` with one thing changed at a time.
+"""Stretch-forming against draw-forming: the packaged case `dish600` with one thing changed at a time.
 
     python benchmarks/stretch_forming.py [--only NAME ...] [--kept FOLDER] [--write docs/stretch_forming.md]
 

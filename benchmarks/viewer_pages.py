@@ -1,26 +1,30 @@
-"""How large a page with a 3D viewer is, how long a browser takes to open it, and how fast the picture turns.
+"""How large a page with a viewer is, how long a browser takes to open it, and how fast the picture turns.
 
-    python benchmarks/viewer_pages.py [NODES ...]
+    python benchmarks/viewer_pages.py --write docs/performance.md     # replaces the table between its markers
 
-Scenes are made of closed forms: a paraboloid pressed and let go, with the figures that a run has. Each page is opened in
-a headless Chromium that draws without a graphics card. Needs `pip install punchform[test]` and a Chromium.
+Scenes are made of closed forms: a paraboloid pressed and let go, with the figures that a run has. Each page is opened
+in a headless Chromium that draws without a graphics card. Needs `pip install punchform[test]` and a Chromium.
 """
 
 from __future__ import annotations
 
-import sys
+import argparse
+import os
+import platform
+import shutil
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from playwright.sync_api import Browser, sync_playwright
+from tables import put_between
 
 from punchform.arrays import Floats
 from punchform.report.viewer import Figure, Pose, Quantity, Scene, Skin, pack, program, style
 
-SIZES = (5_000, 20_000, 100_000)
 RADIUS, FOCAL = 600.0, 500.0
-TURNS = 30
-CHROMIUM = "/usr/bin/chromium"
+TURNS = 20
 FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 QUANTITIES = (
     Quantity("deviation", "normal deviation from the target", "mm", "node", signed=True),
@@ -30,17 +34,15 @@ QUANTITIES = (
     Quantity("moment", "bending moment F5", "N mm", "wire", signed=True),
     Quantity("stress", "largest stress in the wire", "MPa", "wire"),
 )
-TURN = f"""async () => {{
+FINISHED = """
   const viewer = document.querySelector(".pf-viewer").viewer;
   const gl = viewer.stage.renderer.getContext();
-  const pixel = new Uint8Array(4);
+  gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));"""
+"""Reading a pixel waits until the picture is there."""
+PICTURES = f"""() => {{
   const begun = performance.now();
-  for (let k = 0; k < {TURNS}; k += 1) {{
-    viewer.stage.turn(1, 0);
-    viewer.stage.draw();
-    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
-    await new Promise(requestAnimationFrame);
-  }}
+  for (let k = 0; k < {TURNS}; k += 1) {{ {FINISHED} %s; viewer.stage.draw(); }}
+  {FINISHED}
   return (performance.now() - begun) / {TURNS};
 }}"""
 
@@ -62,10 +64,9 @@ def paraboloid(nodes: int) -> Scene:
     released = pressed + np.column_stack((0 * lobes, 0 * lobes, 3.0 * lobes))
     ends, family = [], []
     for axis, (before, after) in enumerate(((number[:-1], number[1:]), (number[:, :-1].T, number[:, 1:].T))):
-        pairs = np.column_stack((before.T.ravel(), after.T.ravel()) if axis == 0 else (before.T.ravel(), after.T.ravel()))
-        pairs = pairs[(pairs >= 0).all(axis=1)]
-        ends.append(pairs)
-        family.append(np.full(len(pairs), 1 + axis))
+        pairs = np.column_stack((before.T.ravel(), after.T.ravel()))
+        ends.append(pairs[(pairs >= 0).all(axis=1)])
+        family.append(np.full(len(ends[-1]), 1 + axis))
     wires = np.concatenate(ends)
     weave = np.where(index[wires[:, 0]].sum(axis=1) % 2, 1.0, -1.0)
     force = 5.0 * lobes[wires].mean(axis=1) + 0.7 * weave
@@ -91,7 +92,14 @@ def paraboloid(nodes: int) -> Scene:
 def _figures(x: Floats, lobes: Floats, force: Floats, weave: Floats, size: float) -> tuple[Figure, ...]:
     shear = np.degrees(np.arctan(x[:, 0] * x[:, 1] / (4 * FOCAL**2)))
     moment = 20.0 * size * weave + force
-    values = (3.0 * size * lobes, shear, 2.0 * size * (1 - lobes), size * force, moment, np.abs(moment) * 30 + np.abs(force))
+    values = (
+        3.0 * size * lobes,
+        shear,
+        2.0 * size * (1 - lobes),
+        size * force,
+        moment,
+        np.abs(moment) * 30 + np.abs(force),
+    )
     return tuple(Figure(quantity.key, told) for quantity, told in zip(QUANTITIES, values, strict=True))
 
 
@@ -112,32 +120,50 @@ def page_of(scene: Scene) -> str:
     )
 
 
-def main(sizes: tuple[int, ...]) -> None:
-    """Print the table."""
-    from playwright.sync_api import sync_playwright
+def row(browser: Browser, nodes: int, folder: Path) -> str:
+    """One line: sizes, when the first picture is there, and the mean of some pictures."""
+    scene = paraboloid(nodes)
+    path = folder / f"{nodes}.html"
+    path.write_text(page_of(scene), encoding="utf-8")
+    tab = browser.new_page(viewport={"width": 1280, "height": 900})
+    tab.goto(path.as_uri())
+    tab.wait_for_function("document.querySelector('.pf-viewer').viewer?.stage.pictures > 0")
+    opened = tab.evaluate(f"() => {{ {FINISHED} return performance.now(); }}")
+    turned = tab.evaluate(PICTURES % "viewer.stage.turn(1, 0)")
+    slid = tab.evaluate(PICTURES % "viewer.ask({ time: 1 + (k % 10) / 10 })")
+    tab.close()
+    size = path.stat().st_size
+    return (
+        f"| {len(scene.index)} | {len(scene.ends)} | {size / 1e6:.2f} | {len(pack(scene).text) / len(scene.index):.0f} "
+        f"| {opened / 1e3:.2f} | {turned:.0f} | {slid:.0f} |"
+    )
 
-    print(f"{'nodes':>8} {'wire pieces':>12} {'page MB':>8} {'bytes/node':>10} {'open s':>7} {'turn ms':>8} {'slide ms':>8}")
+
+def table(sizes: Sequence[int]) -> str:
+    """The table in Markdown."""
+    head = [
+        "| nodes | wire pieces | page, MB | bytes a node | seconds to open | ms a turn | ms a shape |",
+        "|---|---|---|---|---|---|---|",
+    ]
     with sync_playwright() as play, tempfile.TemporaryDirectory() as folder:
-        browser = play.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        for nodes in sizes:
-            scene = paraboloid(nodes)
-            path = Path(folder) / f"{nodes}.html"
-            path.write_text(page_of(scene), encoding="utf-8")
-            size = path.stat().st_size
-            tab = browser.new_page(viewport={"width": 1280, "height": 900})
-            tab.goto(path.as_uri())
-            tab.wait_for_function("document.querySelector('.pf-viewer').viewer?.stage.pictures > 0", timeout=60_000)
-            opened = tab.evaluate("document.querySelector('.pf-viewer').viewer && performance.now()") / 1000
-            turned = tab.evaluate(TURN)
-            slid = tab.evaluate(TURN.replace("viewer.stage.turn(1, 0)", "viewer.ask({ time: 1 + (k % 10) / 10 })"))
-            text = len(pack(scene).text)
-            print(
-                f"{len(scene.index):>8} {len(scene.ends):>12} {size / 1e6:>8.2f} {text / len(scene.index):>10.1f} "
-                f"{opened:>7.2f} {turned:>8.0f} {slid:>8.0f}"
-            )
-            tab.close()
+        browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+        rows = [row(browser, nodes, Path(folder)) for nodes in sizes]
+        version = browser.version
         browser.close()
+    return "\n".join([*head, *rows, "", f"({platform.machine()}, {os.cpu_count()} cores, Chromium {version})"])
+
+
+def main() -> None:
+    """Print the table, and write it into a page when asked."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--nodes", type=int, nargs="+", default=[1_000, 5_000, 20_000, 100_000])
+    parser.add_argument("--write", type=Path)
+    arguments = parser.parse_args()
+    text = table(arguments.nodes)
+    print(text)
+    if arguments.write:
+        put_between(arguments.write, "viewer", text)
 
 
 if __name__ == "__main__":
-    main(tuple(int(size) for size in sys.argv[1:]) or SIZES)
+    main()

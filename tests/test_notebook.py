@@ -152,7 +152,7 @@ def test_the_fields_are_those_of_the_run() -> None:
 def test_a_plan_shows_as_many_colours_as_it_has_values() -> None:
     figure = elastic().plot("height")
     drawn = [one for one in figure.axes[0].collections if isinstance(one, PathCollection)]
-    corners = sum(len(path.vertices) for path in drawn[0].get_paths())
+    corners = sum(np.shape(path.vertices)[0] for path in drawn[0].get_paths())
     assert corners == 5 * elastic().formed.whole.crossings, "a closed square for each crossing"
 
 

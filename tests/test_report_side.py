@@ -137,6 +137,14 @@ def test_the_same_twice_is_equally_near_and_of_one_case() -> None:
     assert nearest(sides((("one", dish()), ("other", dish())))) is None
 
 
+def test_another_nearest_after_the_best_fits_is_told() -> None:
+    """What lies lower all round is mended by a best fit, lobes are not."""
+    low, lobed = Side("low", moved(-3.0), {}), Side("lobed", moved(0.0, 4.0), {})
+    assert nearest((low, lobed)) == "lobed"
+    assert "after the best fits low has" in " ".join(comparison_words((low, lobed)))
+    assert "after the best fits" not in " ".join(comparison_words((Side("less", moved(0.0, 2.0), {}), lobed)))
+
+
 def test_other_targets_and_none_are_told() -> None:
     other = dish('[target]\nprofile = { kind = "paraboloid", focal_length = "60 mm" }',
                  '[target]\nprofile = { kind = "paraboloid", focal_length = "61 mm" }')  # fmt: skip
@@ -178,14 +186,14 @@ def test_two_runs_are_one_page_and_one_json(
     page = tmp_path / "both.html"
     code = main(["report", *map(str, folders), "-o", str(page), "--json"])
     out = json.loads(capsys.readouterr().out)
-    assert code == (Exit.OUT_OF_TOLERANCE if "Out of" in " ".join(out["words"]) else Exit.DONE)
+    assert code == Exit.DONE
     assert [one["name"] for one in out["runs"]] == ["coarse", "fine"]
     assert out["settings"] == [{"key": "grid.step", "values": ["10 mm", "8 mm"]}]
     files = [json.loads((folder / "result.json").read_text(encoding="utf-8")) for folder in folders]
     (energy,) = (one for one in out["figures"] if one["key"] == "formed.energy_mJ")
     assert energy["values"] == [file["formed"]["energy_mJ"] for file in files]
     text = page.read_text(encoding="utf-8")
-    assert len(text) < 1_000_000
+    assert len(text) < 1_300_000
     assert all(f'id="{kind.name}_{number}"' in text for kind in KINDS for number in (1, 2))
 
 
@@ -204,7 +212,7 @@ def test_one_run_gets_the_same_report_anew(folders: tuple[Path, Path], tmp_path:
     kept = {path.name: path.read_bytes() for path in folder.rglob("*.*")}
     (folder / "report.html").write_text("old", encoding="utf-8")
     (folder / "figures" / "shear.svg").unlink()
-    assert main(["report", str(folder), "--quiet"]) in (Exit.DONE, Exit.OUT_OF_TOLERANCE)
+    assert main(["report", str(folder), "--quiet"]) == Exit.DONE
     assert {path.name: path.read_bytes() for path in folder.rglob("*.*")} == kept
     elsewhere = tmp_path / "one.html"
     main(["report", str(folder), "-o", str(elsewhere), "--quiet"])

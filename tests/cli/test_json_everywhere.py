@@ -24,7 +24,9 @@ ELSEWHERE = {
 
 LINES = {
     "form": ["form", "dish.toml", "-o", "run"],
+    "report": ["report", "run"],
     "compare": ["compare", "run", "points.csv", "-o", "part"],
+    "export": ["export", "run", "--to", "vtp", "-o", "files"],
     "drape": ["drape", "dish.toml", "-o", "net"],
     "sensitivity": ["sensitivity", "dish.toml", "--vary", "wire.diameter"],
     "punch": ["punch", "dish.toml", "-o", "tool"],

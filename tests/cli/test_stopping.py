@@ -105,7 +105,8 @@ def test_a_form_that_is_stopped_leaves_all_as_it_was(number: int, ended: str, tm
 def test_the_second_signal_waits_for_the_end_and_the_third_does_not(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    stop, ended = Stop(), []
+    ended: list[int] = []
+    stop = Stop()
     monkeypatch.setattr(os, "_exit", ended.append)
     with pytest.raises(Terminated):
         stop(signal.SIGTERM, None)

@@ -1,7 +1,7 @@
 // What lies over the picture: the directions x, y, z, a bar for the scale, and a ring around what is picked.
 
 import { Vector3 } from "three";
-import { ticks } from "./wording.js";
+import { roundDown } from "./wording.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 const ARM = 24;
@@ -32,7 +32,7 @@ export function overlay() {
         set(text, { x: cx + (ARM + 10) * way.x, y: cy - (ARM + 10) * way.y, opacity: Math.hypot(way.x, way.y) < 0.25 ? 0 : 1 });
       });
       const longest = Math.min(LONGEST, width / 3) / stage.scale;
-      const length = ticks(0, longest, 1).filter((value) => value > 0 && value <= longest).pop() ?? ticks(0, longest, 2)[1];
+      const length = roundDown(longest);
       const [right, base] = [width - 16, height - 18];
       bar.setAttribute("d", `M${right - length * stage.scale} ${base - 5}v5H${right}v-5`);
       size.textContent = `${length} mm`;

@@ -1,8 +1,8 @@
 // The panel beside the picture: the numbers of the picked node or wire piece in the shape that is shown.
 
 import { element } from "./element.js";
-import { figure, place, quantitiesOf } from "./shapes.js";
-import { length, significant, whole, withUnit } from "./wording.js";
+import { figure, place, quantitiesOf, stepOf } from "./shapes.js";
+import { length, vouched, whole, withUnit } from "./wording.js";
 
 const HINT = "Click or tap a node or a wire to read its numbers. With the keyboard: choose the picture with Tab, then the arrow keys walk from node to node.";
 
@@ -25,7 +25,7 @@ function ofNode(scene, quantities, pose, node) {
   const title = between ? `Node ${between} beyond (${whole(i)}, ${whole(j)})` : `Node (${whole(i)}, ${whole(j)})`;
   const through = piecesAt(scene, node);
   const wires = [...new Set(through.map((piece) => wireName(scene, piece)))].join("; ");
-  const rows = quantities.filter((one) => one.place === "node").map((one) => row(one.key, one.label, figure(pose, one, node), one.unit));
+  const rows = quantities.filter((one) => one.place === "node").map((one) => row(one.key, one.label, figure(pose, one, node), one.unit, stepOf(pose, one)));
   const forces = quantities.filter((one) => one.place === "wire" && pose.figures.has(one.of));
   return [
     element("h3", {}, title),
@@ -35,16 +35,16 @@ function ofNode(scene, quantities, pose, node) {
     table(null, rows.filter(Boolean)),
     ...through.map((piece) => table(
       `${wireName(scene, piece)}, piece to ${other(scene, piece, node)}`,
-      forces.map((one) => row(`${one.key}:${piece}`, one.label, figure(pose, one, piece), one.unit)).filter(Boolean),
+      forces.map((one) => row(`${one.key}:${piece}`, one.label, figure(pose, one, piece), one.unit, stepOf(pose, one))).filter(Boolean),
     )).filter((made) => forces.length && made),
   ];
 }
 
 function ofPiece(scene, quantities, pose, piece) {
   const ends = [scene.start[piece], scene.end[piece]];
-  const rows = quantities.filter((one) => one.place === "wire").map((one) => row(one.key, one.label, figure(pose, one, piece), one.unit));
+  const rows = quantities.filter((one) => one.place === "wire").map((one) => row(one.key, one.label, figure(pose, one, piece), one.unit, stepOf(pose, one)));
   const [a, b] = ends.map((node) => place(pose, node));
-  if (a && b) rows.push(row("chord", "distance of its ends", Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]), "mm"));
+  if (a && b) rows.push(row("chord", "distance of its ends", Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]), "mm", 1e-4));
   return [
     element("h3", {}, `Wire piece ${name(scene, ends[0])} to ${name(scene, ends[1])}`),
     element("p", { class: "pf-soft" }, wireName(scene, piece)),
@@ -60,8 +60,8 @@ function coordinates(pose, node, names = ["x", "y", "z"]) {
   return names.map((axis, k) => line(axis, axis, found[k], withUnit(length(found[k]), "mm")));
 }
 
-function row(key, label, value, unit) {
-  return Number.isFinite(value) ? line(key, label, value, withUnit(significant(value, 6), unit)) : null;
+function row(key, label, value, unit, step) {
+  return Number.isFinite(value) ? line(key, label, value, withUnit(vouched(value, step), unit)) : null;
 }
 
 function line(key, label, value, text) {

@@ -33,6 +33,11 @@ export function figure(pose, quantity, k) {
   return told ? at(told, k) / quantity.divisor : NaN;
 }
 
+/** The step in which a pose tells a quantity: figures are right to half of it. */
+export function stepOf(pose, quantity) {
+  return (pose.figures.get(quantity.of)?.step ?? 1) / quantity.divisor;
+}
+
 /** All figures of a quantity in a pose as floats, NOTHING where none is known; null when the pose has none. */
 export function figures(pose, quantity) {
   const told = pose.figures.get(quantity.of);

@@ -12,6 +12,13 @@ export function significant(value, digits = 5) {
   return text.replace("-", MINUS);
 }
 
+/** A told number to the digits that its step vouches for. */
+export function vouched(value, step) {
+  const decimals = Math.floor(-Math.log10(step));
+  if (decimals > 9 || decimals < 0) return significant(value, 5);
+  return value.toFixed(decimals).replace(/^-(0\.?0*)$/, "$1").replace("-", MINUS);
+}
+
 /** A length to a tenth of a micrometre. */
 export function length(value) {
   return `${value.toFixed(4)}`.replace(/^-(0\.0+)$/, "$1").replace("-", MINUS);
@@ -49,4 +56,10 @@ export function ticks(low, high, count = 4) {
   const found = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1) found.push(k * step);
   return found.map((value) => Number(value.toPrecision(6)));
+}
+
+/** The largest of 1, 2, 5 times a power of ten that is not above a positive value. */
+export function roundDown(value) {
+  const power = 10 ** Math.floor(Math.log10(value));
+  return Number((Math.max(...[1, 2, 5].filter((part) => part * power <= value)) * power).toPrecision(3));
 }

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from errno import ENOSPC
 from importlib import import_module
 from io import TextIOWrapper
 from time import perf_counter
@@ -85,7 +86,8 @@ def _guarded(chosen: dict[str, Any], stop: Stop) -> Exit:
         return Exit.UNUSABLE_INPUT
     except OSError as error:
         place = f"{error.filename}: " if error.filename else ""
-        say(f"error: {place}{error.strerror or error}")
+        full = "\n  hint: free some space, or name another place" if error.errno == ENOSPC else ""
+        say(f"error: {place}{error.strerror or error}{full}")
         return Exit.UNUSABLE_INPUT
     except Exception:
         # An interrupt inside a library may come out as something else.

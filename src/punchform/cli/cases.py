@@ -17,7 +17,9 @@ def new(file: str, *, overwrite: bool, voice: Voice) -> Exit:
     try:
         with Path(file).open("w" if overwrite else "x", encoding="utf-8", newline="\n") as stream:
             stream.write(packaged_text(TEMPLATE))
-    except FileExistsError:
+    except (FileExistsError, IsADirectoryError):
+        if Path(file).is_dir():
+            raise InputError.of("is a folder", where=file or "''", hint="give the name of a file") from None
         raise InputError.of(
             "the file is there already", where=file, hint="give --overwrite to replace it, or another name"
         ) from None

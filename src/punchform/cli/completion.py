@@ -20,10 +20,12 @@ FILES = ("FILE", "POINTS")
 
 @dataclass(frozen=True)
 class Word:
-    """What may stand at one place: fixed words, files, folders or cases; nothing that is known where all are empty."""
+    """What may stand at one place: fixed words, files, folders or cases; nothing that is known where all are empty.
+    again: whether more of the same may follow."""
 
     words: tuple[str, ...] = ()
     kind: str = "none"
+    again: bool = False
 
 
 @dataclass(frozen=True)
@@ -63,13 +65,14 @@ def completed() -> Iterator[Completed]:
 
 def _word(action: argparse.Action) -> Word:
     if action.choices is not None:
-        return Word(tuple(map(str, action.choices)))
+        return Word(tuple(map(str, action.choices)), again=action.nargs == "+")
     metavar = str(action.metavar)
     if metavar == "CASE":
         return Word(tuple(PREFIX + case for case in packaged_cases()), "file")
     if metavar == "EXAMPLE":
         return Word(tuple(case for case in packaged_cases() if case != TEMPLATE))
-    return Word((), "folder" if metavar in FOLDERS else "file" if metavar in FILES else "none")
+    kind = "folder" if metavar in FOLDERS else "file" if metavar in FILES else "none"
+    return Word((), kind, again=action.nargs == "+")
 
 
 def bash(commands: tuple[Completed, ...]) -> str:
@@ -81,7 +84,8 @@ def bash(commands: tuple[Completed, ...]) -> str:
         for names, _, value in one.options:
             if value is not None:
                 values.append(f"{'|'.join(f'{one.name}:{name}' for name in names)}) {_bash_word(value)} ;;")
-        places += [f"{one.name}:{number}) {_bash_word(word)} ;;" for number, word in enumerate(one.places)]
+        for number, word in enumerate(one.places):
+            places.append(f"{one.name}:{'*' if word.again else number}) {_bash_word(word)} ;;")
     first = shlex.quote(" ".join([*(one.name for one in commands), "--help", "--version"]))
     return f"""# Completion of punchform for bash: `source` this, or keep it as
 # ~/.local/share/bash-completion/completions/punchform
@@ -151,7 +155,8 @@ def zsh(commands: tuple[Completed, ...]) -> str:
         for names, about, value in one.options:
             first = f"({' '.join(names)}){{{','.join(names)}}}" if len(names) > 1 else names[0]
             specs.append(_zsh_option(first, about, value))
-        specs += [_zsh_quoted(f"{number}:{_zsh_kind(word)}") for number, word in enumerate(one.places, start=1)]
+        for number, word in enumerate(one.places, start=1):
+            specs.append(_zsh_quoted(f"{'*' if word.again else number}:{_zsh_kind(word)}"))
         cases.append(f"        {one.name})\n            _arguments -s " + " \\\n                ".join(specs) + " ;;")
     body = "\n".join(cases)
     packaged = " ".join((PREFIX + case).replace(":", "\\\\:") for case in packaged_cases())

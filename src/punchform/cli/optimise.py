@@ -17,6 +17,7 @@ from punchform.progress import Progress
 if TYPE_CHECKING:
     from punchform.optimise.asking import Answer, Ask
     from punchform.optimise.evaluations import Record
+    from punchform.optimise.pools import Workers
     from punchform.optimise.problem import Question
     from punchform.optimise.search import Found
     from punchform.optimise.slopes import Slopes
@@ -27,11 +28,9 @@ def optimise_case(path: str, output: str, *, means: Means, overwrite: bool, as_j
 
     Raises InputError for a case or a folder that cannot be used, NoEquilibrium when no design has figures.
     """
-    from punchform.optimise.evaluations import Record, recorded
     from punchform.optimise.problem import question_of
-    from punchform.optimise.search import search, way_of
+    from punchform.optimise.search import way_of
     from punchform.optimise.search_folder import RECORD, open_folder, write_found
-    from punchform.optimise.slopes import is_slopes
     from punchform.report.search import write_search_report
 
     source = read_text(path)
@@ -42,40 +41,60 @@ def optimise_case(path: str, output: str, *, means: Means, overwrite: bool, as_j
         way, why = way_of(question)
     except InputError as error:
         raise source.placed(error) from None
-    folder = open_folder(output, case, overwrite=overwrite)
-    try:
-        with (
-            Record(folder / RECORD) as record,
-            Talk(means.voice, at_once=1 if way == "gradient" else means.workers or 1) as talk,
-            _evaluates(question, record, means, way) as (ask, slopes),
-        ):
-            notes([f"method {way}: {why}"], means.voice)
-            if way == "gradient" and (means.workers or means.scheduler):
-                idle = "downhill goes one design after the other, here: other workers have nothing to do"
-                notes([idle], means.voice)
-            known = {evaluation.key for evaluation in record}
-            found = search(question, ask, slopes=slopes, observe=_Telling(question, talk, known))
-    except KeyboardInterrupt:
-        kept = sum(not is_slopes(one) for one in recorded(folder / RECORD))
-        say(f"note: {kept} designs are done")
-        raise
+    with _crew(means, way) as workers:
+        folder = open_folder(output, case, overwrite=overwrite)
+        found = _found(question, folder / RECORD, workers, means, f"method {way}: {why}")
     text = write_found(folder, found)
     write_search_report(found, case, folder)
     print(text.rstrip() if as_json else summary(found, folder))
     return Exit.DONE if found.best.allowed else Exit.OUT_OF_TOLERANCE
 
 
+def _found(question: Question, path: Path, workers: Workers | None, means: Means, how: str) -> Found:
+    """What the search finds; its record says how much is done when it is interrupted. workers: None downhill."""
+    from punchform.optimise.evaluations import Record, recorded
+    from punchform.optimise.search import search
+    from punchform.optimise.slopes import is_slopes
+
+    try:
+        with (
+            Record(path) as record,
+            Talk(means.voice, at_once=1 if workers is None else workers.count) as talk,
+            _evaluates(question, record, workers) as (ask, slopes),
+        ):
+            notes([how], means.voice)
+            if workers is None and (means.workers or means.scheduler):
+                idle = "downhill goes one design after the other, here: other workers have nothing to do"
+                notes([idle], means.voice)
+            known = {evaluation.key for evaluation in record}
+            return search(question, ask, slopes=slopes, observe=_Telling(question, talk, known))
+    except KeyboardInterrupt:
+        kept = sum(not is_slopes(one) for one in recorded(path))
+        say(f"note: {kept} designs are done")
+        raise
+
+
 @contextmanager
-def _evaluates(question: Question, record: Record, means: Means, way: str) -> Iterator[tuple[Ask, Slopes | None]]:
+def _crew(means: Means, way: str) -> Iterator[Workers | None]:
+    """Who evaluates designs: the workers that are asked for; None where a search goes downhill, in this process."""
+    if way == "gradient":
+        yield None
+        return
+    with workers_of(means) as workers:
+        yield workers
+
+
+@contextmanager
+def _evaluates(question: Question, record: Record, workers: Workers | None) -> Iterator[tuple[Ask, Slopes | None]]:
     """What evaluates designs: going downhill one after the other here, with tangents; else the workers."""
     from punchform.optimise.asking import evaluator
     from punchform.optimise.slopes import Kept
 
-    if way == "gradient":
+    if workers is None:
         kept = Kept(question, record)
         yield kept.ask, kept.slopes
         return
-    with workers_of(means) as workers, evaluator(question.case, record, workers) as ask:
+    with evaluator(question.case, record, workers) as ask:
         yield ask, None
 
 

@@ -21,6 +21,8 @@ from punchform.punch import Corrected, Tool
 from punchform.store import CASE, RESULT, check_folder, write_folder
 from punchform.units import LENGTH, UnitError
 
+MOST_POINTS = 4_000_000
+"""Points of a height field: a file of some hundred megabytes."""
 SIZE = Quantity(LENGTH, above=0.0, least=1e-6, most=1e9)
 
 
@@ -48,6 +50,12 @@ def punch_case(
     except InputError as error:
         raise source.placed(error) from None
     out = EDGE * ready.punch.rim_radius if out is None else out
+    if every is not None and (2 * out / every) ** 2 > MOST_POINTS:
+        raise InputError.of(
+            f"the height field would have more than {MOST_POINTS} points",
+            where=f"--step {step}",
+            hint=f"take {2 * out / MOST_POINTS**0.5:.1g} mm or more, or a smaller --radius",
+        )
     told = _told(ready.punch, out)
 
     def write(folder: Path) -> None:

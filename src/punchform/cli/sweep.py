@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from punchform.case import Case, parse, read_text, unit
 from punchform.cli.exits import Exit
-from punchform.cli.sweeping import Means, check_designs, evaluated
+from punchform.cli.sweeping import Means, check_designs, evaluated, workers_of
 from punchform.cli.talk import notes
 from punchform.errors import InputError
 
@@ -48,8 +48,10 @@ def sweep_case(
     if format == "parquet":
         check_parquet()
     asked = request("sweep", case, tuple(over), samples=samples, seed=seed)
-    folder = open_folder(output, asked, case, overwrite=overwrite)
-    done = evaluated(case, designs, folder, asked, means, places=tuple(designs[0]), parquet=format == "parquet")
+    places, parquet = tuple(designs[0]), format == "parquet"
+    with workers_of(means) as workers:
+        folder = open_folder(output, asked, case, overwrite=overwrite)
+        done = evaluated(case, designs, folder, asked, workers, means.voice, places=places, parquet=parquet)
     failed = [evaluation for evaluation in done if evaluation.failed]
     if failed:
         notes([f"{len(failed)} of {len(done)} designs failed, the first of them: {failed[0].failure}"], means.voice)

@@ -73,7 +73,8 @@ def evaluated(
     designs: Sequence[Mapping[str, Any]],
     folder: Path,
     asked: Request,
-    means: Means,
+    workers: Workers,
+    voice: Voice,
     *,
     places: Sequence[str],
     parquet: bool,
@@ -84,7 +85,7 @@ def evaluated(
     from punchform.optimise.sweep_folder import RECORD
 
     try:
-        return _evaluated(case, designs, folder, asked, means, places, parquet)
+        return _evaluated(case, designs, folder, asked, workers, voice, places, parquet)
     except KeyboardInterrupt:
         say(f"note: {len(recorded(folder / RECORD))} of {len(designs)} designs are done")
         raise
@@ -95,7 +96,8 @@ def _evaluated(
     designs: Sequence[Mapping[str, Any]],
     folder: Path,
     asked: Request,
-    means: Means,
+    workers: Workers,
+    voice: Voice,
     places: Sequence[str],
     parquet: bool,
 ) -> tuple[Evaluation, ...]:
@@ -108,7 +110,7 @@ def _evaluated(
     done: dict[str, Evaluation] = {}
     with Record(folder / RECORD) as record, GrowingTable(folder / TABLE, case, places, record) as table:
         known = {evaluation.key for evaluation in record}
-        with workers_of(means) as workers, _Telling(len(designs), workers.count, means.voice) as telling:
+        with _Telling(len(designs), workers.count, voice) as telling:
             for evaluation in sweep(case, designs, executor=workers, record=record, keys=keys):
                 done[evaluation.key] = evaluation
                 if evaluation.key not in known:

@@ -17,6 +17,7 @@ from punchform.report.figures.files import save
 from punchform.report.figures.gallery import GALLERY, Picture
 from punchform.report.page import FIGURES, PAGE, render
 from punchform.report.section import Rows
+from punchform.report.viewer import pack, scene_of_net
 from punchform.report.words import drawn_in, size
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ def write_drape_report(done: Drape, folder: Path) -> None:
         details_title="Effort",
         details=(("Seconds", tuple((part, f"{seconds:.3f}") for part, seconds in done.seconds.items())),),
         images=_draw(done, folder / FIGURES),
+        scenes=(pack(scene_of_net(done)),),
         notes=done.notes,
         beside=f"nodes.csv, {OUTLINE} and {LENGTHS} (tables), shape.vtp (for ParaView), result.json, case.toml",
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, cast
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -72,7 +72,7 @@ def fields(run: Run, stage: str) -> dict[str, Field]:
         values = np.where(aligned.mask, chosen.deviations.of(judge.measure), np.nan)
         label = f"{judge.measure} deviation, {judge.alignment} [mm]"
         found.append(Field("deviation", label, "crossings", values, signed=True))
-    return {one.name: one for one in found if np.isfinite(cast("Floats", one.values)).any()}
+    return {one.name: one for one in found if np.isfinite(one.values).any()}
 
 
 def field_of(run: Run, field: str, stage: str) -> Field:

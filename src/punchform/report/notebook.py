@@ -156,9 +156,8 @@ def html_of_run(run: Run) -> str:
     if stress is not None:
         rows["largest stress"] = size(stress, "MPa")
     if run.released is not None:
-        rows["springback"] = (
-            f"{size(run.released.apex, 'mm', 3)} at the apex, {size(run.released.max_sag, 'mm', 3)} lowest"
-        )
+        apex, lowest = size(run.released.apex, "mm", 3), size(run.released.max_sag, "mm", 3)
+        rows["springback"] = f"{apex} at the apex, {lowest} where it sinks most"
     if run.loaded is not None:
         rows["under load"] = f"{size(run.loaded.rms_deflection, 'mm', 3)} rms deflection"
     if accuracy is not None:

@@ -19,6 +19,7 @@ from punchform.report.figures.wires import draw_wires
 from punchform.report.numbers import energy_rows, solve_rows, span
 from punchform.report.page import FIGURES, PAGE, render
 from punchform.report.section import Images, Rows
+from punchform.report.viewer import pack, scene_of_shell
 from punchform.report.words import energy, percent, place, size
 from punchform.shell import Shell
 
@@ -59,6 +60,7 @@ def write_shell_report(done: Shell, folder: Path) -> None:
         details_title="Energy and solve",
         details=(("Where the energy is", energy_rows(done.formed)), ("Solve", solve_rows(done.formed))),
         images=_draw(done, folder / FIGURES),
+        scenes=(pack(scene_of_shell(done)),),
         notes=done.formed.notes,
         beside="nodes.csv and wires.csv (tables), shape.vtp (for ParaView), result.json, case.toml",
     )

@@ -26,6 +26,7 @@ from punchform.report.page import render
 from punchform.report.section import Images, Matrix, Section
 from punchform.report.side_by_side import Line, Side, changed_settings, lines, shortened
 from punchform.report.side_words import comparison_words
+from punchform.report.viewer import pack, scene_of
 from punchform.report.words import size
 from punchform.run import Run
 
@@ -72,6 +73,7 @@ def comparison_page(runs: Sequence[Side]) -> str:
             details_title="",
             details=(),
             images=images,
+            scenes=tuple(pack(scene_of(side.run, side.name), f"scene-{n}") for n, side in enumerate(runs, start=1)),
             notes=(),
             beside="",
         )
@@ -95,7 +97,6 @@ def _figures(runs: Sequence[Side]) -> Matrix:
     for side in runs[1:]:
         head += [side.name, "difference"]
     rows = [
-        ("Case", *_spread([side.run.case.title or NOTHING for side in runs])),
         ("Crossings", *_spread([f"{side.content['grid']['nodes']}" for side in runs])),
         ("Outcome of the press", *_spread([str(side.content["formed"]["outcome"]).replace("_", " ") for side in runs])),
         ("Within tolerance", *_spread([_within(side.run) for side in runs])),

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import cast
 
-from punchform.accuracy import Accuracy, Aligned
+from punchform.accuracy import Accuracy, Aligned, Measure
 from punchform.export.told import compared
 from punchform.report.accuracy_words import LOBES, ROUNDING, in_the_tool, listed, makeup
 from punchform.report.side_by_side import Side, changed_settings, settings
@@ -80,7 +81,19 @@ def _nearness(runs: Sequence[Side]) -> tuple[str, ...]:
             f"{first.side.name} is {'nearest' if others[1:] else 'nearer'} to the wanted shape: "
             f"{size(first.rms, 'mm', 3)} rms ({how}), against {against}."
         )
-    return said, *_own_targets(found), *_own_judges(found, runs)
+    return said, *_after_fits(found, judge.measure), *_own_targets(found), *_own_judges(found, runs)
+
+
+def _after_fits(found: Sequence[Judged], measure: str) -> tuple[str, ...]:
+    """A remark when another run would be the nearest if its mounting and its feed could follow."""
+    left = {one.side.name: one.accuracy.fitted.statistics[cast("Measure", measure)].rms for one in found}
+    best, judged = min(left, key=lambda name: left[name]), found[0].side.name
+    if best == judged or left[judged] - left[best] <= ALIKE * left[judged]:
+        return ()
+    return (
+        f"Where mounting and feed may follow it is another one: after the best fits {best} has "
+        f"{size(left[best], 'mm', 3)} left, {judged} {size(left[judged], 'mm', 3)}.",
+    )
 
 
 def _own_targets(found: Sequence[Judged]) -> tuple[str, ...]:
@@ -141,10 +154,11 @@ def _reasons(found: Sequence[Judged]) -> tuple[str, ...]:
     as_held = near.aligned is near.accuracy.as_held and near.accuracy.judge.measure == far.accuracy.judge.measure
     if tools[0] is not None and tools[1] is not None and as_held:
         if max(tools[0].rms, tools[1].rms) < ROUNDING:
-            return (
-                *told,
-                "In the tool the crossings of both lie on the target: the difference comes with the release.",
+            names = listed([one.side.name for one in (near, far)])
+            told.append(
+                f"In the tool the crossings of {names} lie on the target: the difference comes with the release."
             )
+            return tuple(told)
         in_tool = (tools[1].rms ** 2 - tools[0].rms ** 2) / more
         where = "is there in the tool already" if in_tool > OF_THE_TOOL else "comes with the release"
         told.append(

@@ -10,6 +10,7 @@ import base64
 import re
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
 import numpy as np
@@ -37,7 +38,7 @@ def save(figure: Figure, path: Path) -> None:
 
 def png(figure: Figure) -> bytes:
     """The figure as PNG with 256 colours: a third of the bytes of one with all of them."""
-    canvas = FigureCanvasAgg(figure)
+    canvas: Any = FigureCanvasAgg(figure)
     canvas.draw()
     drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())[:, :, :3])
     return _few_colours(drawn, Image.Quantize.MEDIANCUT)

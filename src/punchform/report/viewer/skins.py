@@ -14,8 +14,8 @@ from punchform.report.viewer.scene import Skin
 RINGS, AROUND = 64, 96
 FINE = 4001
 """Points at which a section is looked at to place the rings."""
-BEND = 6.0
-"""A turn by one radian counts as much as this share of a ring's part in the whole length, times the number of rings."""
+BEND = 0.25
+"""A turn by one radian gets as many rings as this share of the whole length of the section."""
 
 
 class Heights(Protocol):
@@ -35,7 +35,7 @@ def target_skin(target: Target, pose: Place, radius: float) -> Skin:
     """The target out to a radius [mm], standing in a pose, Eq. (9.1)."""
     local = _around(target.shape(pose), radius)
     local[:, :, 2] -= target.surface.height_at_axis
-    vertex = pose.shift + (0.0, 0.0, target.apex_height)
+    vertex = pose.shift + np.array([0.0, 0.0, target.apex_height])
     return Skin("target", "target", local @ pose.rotation.T + vertex)
 
 
@@ -57,6 +57,6 @@ def _radii(surface: Heights, radius: float) -> Floats:
     run, rise = np.diff(rho), np.diff(height)
     length = np.hypot(run, rise)
     turn = np.abs(np.diff(np.arctan2(rise, run), prepend=0.0))
-    weight = length / length.sum() + BEND / RINGS * turn
+    weight = length / length.sum() + BEND * turn
     along = np.concatenate(([0.0], np.cumsum(weight)))
     return np.asarray(np.interp(np.linspace(0.0, along[-1], RINGS), along, rho))
