@@ -32,5 +32,7 @@ class Format:
 
 FORMATS = {
     "vtp": Format("the wires with all their fields, for ParaView", "vtp:vtp_files"),
+    "ccx": Format("the wires as beams with the forces in them, a deck for CalculiX", "fe_deck:write_decks"),
+    "grasp": Format("formed, released and wanted surface with their rim, for GRASP", "grasp:write_grasp"),
 }
 """All formats by the names that the command line takes."""
