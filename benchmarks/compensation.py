@@ -48,7 +48,7 @@ def table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
 
 def stretch() -> str:
     """All solves of the packaged stretch-formed dish, with all kinds of punch to their end."""
-    done = compensate_case(read_case("packaged:stretch"), Wish(limits=Limits(LEAST), compare=True))
+    done = compensate_case(read_case("packaged:dish600"), Wish(limits=Limits(LEAST), compare=True))
     head, *rows = solve_rows(done)
     floors = {found.space.kind: found.floor for found in (done.found, *done.others.values())}
     told = [(*row[:7], size(floors[kind], "mm", 3)) for kind, row in zip(kinds(done), rows, strict=True)]
@@ -115,12 +115,12 @@ def plain(degree: int) -> list[str]:
 @cache
 def as_it_is() -> Run:
     """The packaged dish over its punch without correction, which all choices begin with."""
-    return run(read_case("packaged:stretch"))
+    return run(read_case("packaged:dish600"))
 
 
 def problem(degree: int, end: float | None) -> tuple[Space, Press]:
     """A space and what presses the packaged dish over its corrections."""
-    case = read_case("packaged:stretch")
+    case = read_case("packaged:dish600")
     base, shapes = uncorrected(case.tool), space(case, "field", nodes=10_000, mirrored=True)
     shapes = replace(shapes, terms=terms_of("field", degree, mirrored=True), end=end or shapes.end)
 

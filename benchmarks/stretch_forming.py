@@ -1,4 +1,4 @@
-"""Stretch-forming against draw-forming: the packaged case `stretch` with one thing changed at a time.
+"""Stretch-forming against draw-forming: the packaged case `dish600` with one thing changed at a time.
 
     python benchmarks/stretch_forming.py [--only NAME ...] [--kept FOLDER] [--write docs/stretch_forming.md]
 
@@ -59,7 +59,7 @@ class Variant:
 
     def case(self) -> Case:
         """Its case, with the frame at the chord whatever the wire, as a wire that yields has it anyhow."""
-        base = read_case("packaged:stretch")
+        base = read_case("packaged:dish600")
         press = {"frame": "chord", **self.press}
         changes = {"wire": self.wire, "grid": self.grid, "press": press}
         parts = {name: getattr(base, name).model_copy(update=update) for name, update in changes.items()}

@@ -57,4 +57,4 @@ def test_a_format_that_is_none_is_refused_with_those_there_are(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["export", str(folder), "--to", "doc", "-o", "files"]) == 2
-    assert "'vtp'" in capsys.readouterr().err
+    assert "there are: " in capsys.readouterr().err

@@ -106,7 +106,7 @@ def test_equal_runs_are_kept_in_equal_files(tiny: Run, tmp_path: Path) -> None:
 
 def test_a_folder_of_an_older_version_says_what_to_do(folder: Path) -> None:
     (folder / "run.npz").unlink()
-    with pytest.raises(InputError, match="(?s)holds no run.npz.*form its case again"):
+    with pytest.raises(InputError, match=r"(?s)holds no run.npz.*form its case again"):
         load_run(folder)
 
 

@@ -119,7 +119,7 @@ def moves(one: Shaped, other: Shaped) -> Floats:
 def test_the_page_shows_the_packaged_case() -> None:
     page = (Path(__file__).resolve().parents[1] / "docs" / "stretch_forming.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"^```toml\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
-    assert case_from_text(block) == read_case("packaged:stretch")
+    assert case_from_text(block) == read_case("packaged:dish600")
 
 
 # --- what yields keeps its shape ------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from punchform.case import Case, number, read_case, setting, unit, varied, writt
 from punchform.errors import InputError
 from punchform.optimise.figures import FIGURES, figure
 
-STRETCH = read_case("packaged:stretch")
+STRETCH = read_case("packaged:dish600")
 
 
 def test_the_same_values_give_the_same_case() -> None:

@@ -140,7 +140,7 @@ def _put_together(kind: Any, part: Any, at: str, arrays: Arrays, given: Mapping[
     if is_dataclass(kind):
         values = {
             name: given[name] if name in given else _put_together(hint, part[name], f"{at}.{name}", arrays)
-            for name, hint in _hints(kind).items()
+            for name, hint in _hints(cast("type", kind)).items()
         }
         return cast("Callable[..., Any]", kind)(**values)
     if origin is tuple:

@@ -245,7 +245,7 @@ def _remarks(grid: Grid, done: Solved, held: Held, found: Stability, *, yields: 
         notes.append("elastic wires that nothing holds spring back to the flat grid: only what yields or is held stays")
     if held.count == 0 and yields:
         notes.append(
-            "nothing holds the grid, so where it lies in space says nothing: judge its shape after a best fit "
+            "nothing holds the grid, so where it lies in space says nothing: its shape is what a best fit says "
             '(target.alignment = "best fit")'
         )
     lean = np.abs(crossing_angle(done.state) - 0.5 * np.pi).max(initial=0.0)

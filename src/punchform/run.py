@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import TypedDict, TypeVar
+from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from punchform.case import (
     Step,
     TrimCase,
 )
+from punchform.drawing import drawing_room
 from punchform.errors import InputError, NoEquilibrium
 from punchform.grid import Grid, lay
 from punchform.load import Loaded, load
@@ -32,6 +33,9 @@ from punchform.release import Released, release
 from punchform.solved import Shaped
 from punchform.start import struck
 from punchform.trim import Trimmed, cut_like, trim
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Done = Formed | Released | Trimmed | Loaded
 OneKind = TypeVar("OneKind", Formed, Released, Loaded)
@@ -72,6 +76,26 @@ class Run:
     def final(self) -> Formed | Released:
         """The last press or release: what leaves the workshop."""
         return _final(self.stages)
+
+    def plot(self, field: str = "shape", stage: str = "formed") -> Figure:
+        """A figure of a stage: its "shape", or in plan "height", "shear", "axial_force", "stress", "deviation", ...
+
+        stage: "formed", "released", "loaded", or the name of one of `stages`. Raises ValueError for a field or a stage
+        that the run has not, with those that it has.
+        """
+        figure: Figure = drawing_room().plot_run(self, field, stage)
+        return figure
+
+    def plot3d(self, field: str = "shape", stage: str = "formed", *, off_screen: bool = False) -> Any:
+        """A PyVista plotter, whose `show` opens a view that can be turned; needs `punchform[pyvista]`.
+
+        Raises InputError where PyVista is not installed, ValueError as `plot` does.
+        """
+        return drawing_room().plot_run_3d(self, field, stage, off_screen)
+
+    def _repr_html_(self) -> str:
+        shown: str = drawing_room().html_of_run(self)
+        return shown
 
 
 class _Wires(TypedDict):

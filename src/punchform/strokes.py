@@ -22,6 +22,7 @@ from punchform.mechanics.footing import normals_of
 from punchform.mechanics.frames import State, is_finite, perpendicular, unit
 from punchform.mechanics.friction import Friction
 from punchform.mechanics.outcome import Solution
+from punchform.progress import Observer, Progress, silent
 from punchform.punch import Surface, lowered, project
 from punchform.solved import joined
 from punchform.start import flat, flat_start
@@ -105,6 +106,7 @@ def go_down(
     held: Bools,
     holder: Holder | None = None,
     settle: Settle = remembered,
+    observe: Observer = silent,
 ) -> Descent:
     """Press the grid in `count` strokes; one that fails is halved, down to a sixteenth.
 
@@ -116,6 +118,8 @@ def go_down(
     solutions: list[Solution] = []
     strokes: list[Stroke] = []
     while ahead:
+        if count > 1:
+            observe(Progress("press", done=count * here.share, total=count))
         tool = lowered(surface, ahead[0])
         start = carried(older, here, tool, ahead[0], held) if here.share else flat_start(grid, tool)
         rubbing = None if holder is None or here.grasp is None else holder.friction(here.state, here.grasp)
@@ -134,6 +138,8 @@ def go_down(
         older, here = here, Lying(ahead.pop(0), state, grasp)
         solutions.append(replace(solution, state=state))
         strokes.append(_stroke(grid, energy, solutions[-1], older, here))
+    if count > 1:
+        observe(Progress("press", done=count, total=count))
     assert energy is not None
     grip = None if holder is None or here.grasp is None else holder.grip(here.grasp)
     return Descent(energy, _as_one(solutions), tuple(strokes), grip)

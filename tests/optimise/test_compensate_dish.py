@@ -263,7 +263,7 @@ def test_options_that_cannot_be_are_refused_before_anything_is_solved(
     options: list[str], place: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = tmp_path / "out"
-    assert main(["compensate", "packaged:stretch", "-o", str(folder), *options]) == 2
+    assert main(["compensate", "packaged:dish600", "-o", str(folder), *options]) == 2
     assert place in capsys.readouterr().err
     assert not folder.exists()
 
@@ -303,7 +303,7 @@ def test_a_missing_target_is_told_from_python_too() -> None:
 
 
 def test_the_packaged_dish_on_a_coarser_grid_is_ten_times_better_after_one_correction() -> None:
-    coarse = varied(read_case("packaged:stretch"), {"grid.step": 15.0})
+    coarse = varied(read_case("packaged:dish600"), {"grid.step": 15.0})
     done = compensate_case(coarse, Wish(limits=Limits(0.14)))
     assert done.found.ending is Ending.WITHIN
     assert len(done.found.solves) <= 6

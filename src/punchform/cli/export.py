@@ -9,25 +9,30 @@ from punchform import __version__
 from punchform.case import write_case
 from punchform.cli.exits import Exit
 from punchform.cli.talk import say
+from punchform.cli.voice import Voice
 from punchform.export.formats import FORMATS
 from punchform.export.heading import FRAME, UNITS
 from punchform.export.result import RESULT_SCHEMA
 from punchform.store import CASE, RESULT, check_folder, load_run, write_folder
 
 
-def export_run(run: str, to: list[str], output: str, *, overwrite: bool, quiet: bool, as_json: bool) -> Exit:
-    """Write the files of a run folder in the formats named, or in all of them.
+def export_run(run: str, to: list[str], output: str, *, overwrite: bool, voice: Voice, as_json: bool) -> Exit:
+    """Write the files of a run folder in the formats named, or in all of them that can be written here.
 
     Raises InputError for a folder that is not a run or cannot be written, and for what a format cannot show.
     """
     check_folder(output, overwrite=overwrite)
     done = load_run(run)
-    names = tuple(FORMATS) if "all" in to else tuple(dict.fromkeys(to))
+    names = tuple(dict.fromkeys(to))
+    if "all" in names:
+        names = tuple(name for name, one in FORMATS.items() if one.there or name in to)
+        for name in FORMATS.keys() - set(names):
+            say(f"note: {name} is left out: the extra that it needs is not installed (`--to {name}` says which)")
     files: list[dict[str, str]] = []
 
     def write(folder: Path) -> None:
         for name in names:
-            if not quiet:
+            if voice is not Voice.QUIET:
                 say(f"writing {name}: {FORMATS[name].what}")
             written = FORMATS[name].write(done, folder)
             files.extend({"name": file.name, "format": name} for file in written)

@@ -8,7 +8,8 @@ import numpy as np
 
 from punchform.case import Case, CaseText, write_case
 from punchform.cli.exits import Exit
-from punchform.cli.talk import Talk
+from punchform.cli.talk import WRITING, Talk
+from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.export.result import largest
 from punchform.export.shell import shell_json, write_shell_tables
@@ -19,16 +20,17 @@ from punchform.shell import Shell, form_shell
 from punchform.store import CASE, KEPT, NODES, RESULT, WIRES, write_folder
 
 
-def form_gridshell(source: CaseText, case: Case, output: str, *, overwrite: bool, quiet: bool, as_json: bool) -> Exit:
+def form_gridshell(source: CaseText, case: Case, output: str, *, overwrite: bool, voice: Voice, as_json: bool) -> Exit:
     """Move the wire ends of a case to their points and write the run folder.
 
     Raises InputError for a case that makes no gridshell and NoEquilibrium when the solve ends without one.
     """
-    with Talk(quiet=quiet) as talk:
+    with Talk(voice) as talk:
         try:
             done = form_shell(case, observe=talk)
         except InputError as error:
             raise source.placed(error) from None
+        talk.begin(WRITING)
         folder = write_shell(done, output, overwrite=overwrite)
     print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else summary(done, folder))
     return Exit.DONE

@@ -14,5 +14,6 @@ FRAME = "origin on the axis of the punch in the plane of its rim; z up, towards 
 
 
 def heading(run: Run, what: str) -> tuple[str, ...]:
-    """The lines at the head of a file that shows `what` of a run; without a date, so that equal runs give equal files."""
-    return (f"{run.case.title}: {what}", f"units: {UNITS}", f"frame: {FRAME}", f"punchform {__version__}")
+    """The lines at the head of a file that shows `what` of a run; no date, so that equal runs give equal files."""
+    title = " ".join(run.case.title.split())
+    return (f"{title}: {what}", f"units: {UNITS}", f"frame: {FRAME}", f"punchform {__version__}")

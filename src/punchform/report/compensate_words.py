@@ -27,7 +27,7 @@ MADE: dict[Kind, str] = {
 HEAD = ("punch", "solve", "rms [mm]", "p95 [mm]", "max [mm]", "correction [mm]", "follows", "")
 ADVICE: dict[Name, str] = {
     "soft": "Let the wires yield: annealed wire (`wire.material`), stretched over the punch with the rim clamped "
-    '(`press.rim = "clamp"`). What has flowed stays, and then the shape follows the punch, as in `packaged:stretch`.',
+    '(`press.rim = "clamp"`). What has flowed stays, and then the shape follows the punch, as in `packaged:dish600`.',
     "weld": 'Weld the crossings (`grid.crossing = "welded"`): the meshes then keep their corners.',
     "pull": "Pull the wires taut over the punch and hold them so (`press.pull`), with {force} on every wire end.",
     "ribs": "Put ribs under the finished grid (`release.ribs`), such as a hoop of {radius} and eight spokes: what lies "
