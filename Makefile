@@ -7,12 +7,13 @@ PIP  := python -m pip --disable-pip-version-check
 RUN  := runs/demo
 SOURCES := $(shell find src -type f -not -path '*/__pycache__/*')
 
-.PHONY: help install demo test format lint types layers bare unit clean
+.PHONY: help install demo test format lint types layers bare unit viewer clean
 
 help:
 	@echo "make install  the environment .venv with the command .venv/bin/punchform"
 	@echo "make demo     install, then form the packaged case of the paper; says where the report is"
 	@echo "make test     install with the test extras, then every check (as CI runs them)"
+	@echo "make viewer   rewrite the 3D viewer from its sources (needs Node)"
 	@echo "make format   rewrite the sources in the house format"
 	@echo "make clean    remove the environments, the caches and runs/demo"
 
@@ -73,6 +74,10 @@ $(BARE)/.checked: $(BARE)/.ready $(SOURCES) scripts/check-bare
 	$(BARE)/bin/$(PIP) install --quiet --no-deps --force-reinstall .
 	scripts/check-bare $(BARE)/bin
 	@touch $@
+
+# The 3D viewer anew from its sources, as it is committed; a test compares the two. Needs Node.
+viewer:
+	scripts/build-viewer
 
 clean:
 	rm -rf $(VENV) $(BARE) $(RUN) build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis

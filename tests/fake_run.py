@@ -166,6 +166,18 @@ class FakeLoaded(FakeReleased):
 
 
 @dataclass(frozen=True)
+class FakeStage:
+    kind: str
+    number: int
+    settings: object
+    done: FakeFormed | FakeReleased
+
+    @property
+    def name(self) -> str:
+        return f"{self.kind} {self.number}"
+
+
+@dataclass(frozen=True)
 class FakeRun:
     case: Case
     formed: FakeFormed
@@ -174,6 +186,11 @@ class FakeRun:
     accuracy: Accuracy | None = None
     notes: tuple[str, ...] = ()
     seconds: float = 2.5
+
+    @property
+    def stages(self) -> tuple[FakeStage, ...]:
+        done = {"press": self.formed, "release": self.released, "load": self.loaded}
+        return tuple(FakeStage(kind, 1, getattr(self.case, kind), one) for kind, one in done.items() if one is not None)
 
     @property
     def final(self) -> FakeFormed | FakeReleased:

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+from page_blocks import DIRECTIVES, LANGUAGES, ROOT, blocks, missing, pages, with_sections
 
 from punchform.arrays import Floats
 
-ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 DECISIONS = DOCS / "decisions"
-PAGES = sorted([*ROOT.glob("*.md"), *DOCS.rglob("*.md")])
+PAGES = pages()
 CODE = sorted(
     path
     for folder in ("src", "tests", "scripts")
@@ -140,6 +141,44 @@ def test_every_relative_link_resolves(page: Path) -> None:
         if not target.exists() or (anchor and anchor not in anchors(target)):
             broken.append(path + ("#" + anchor if anchor else ""))
     assert not broken
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_block_is_of_a_kind_that_is_executed_or_plain_text(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    assert len(re.findall(r"^```", text, re.MULTILINE)) == 2 * len([b for b in blocks(text) if not b.hidden])
+    for block in (block for block in blocks(text) if not block.hidden):
+        directive = block.language.partition(" ")[0]
+        known = block.language in LANGUAGES or directive in DIRECTIVES
+        assert known, f"line {block.line}: nothing executes a block of `{block.language}`"
+        assert (
+            block.language != "text" or "printed" in block.remarks or not re.search(r"^\$ ", block.text, re.MULTILINE)
+        )
+        assert block.language != "csv" or "file" in block.remarks, f"line {block.line}: which file is it?"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_indented_blocks_are_formulas_and_not_commands(page: Path) -> None:
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    assert not re.findall(r"^    (?:\$ |punchform |python |make |pip |import |from \w+ import )", text, re.MULTILINE)
+
+
+def test_a_block_shows_lines_in_their_order_and_leaves_out_where_it_says_so() -> None:
+    printed = "one 1.5 mm\n  two\nthree\n"
+    assert missing(["one ... mm", "...", "three"], printed) == ""
+    assert missing(["one 1.6 mm"], printed) == "one 1.6 mm"
+    assert missing(["three", "two"], printed) == "two"
+    assert missing(["tw"], printed) == "tw"
+
+
+def test_sections_of_a_page_stand_in_place_of_those_of_a_case() -> None:
+    case = "schema = 1\n[wire]\na = 1\n[wire.more]\nb = 2\n[grid]\nc = 3\n"
+    assert tomllib.loads(with_sections(case, 'title = "x"\n[wire]\nd = 4\n')) == {
+        "schema": 1,
+        "title": "x",
+        "grid": {"c": 3},
+        "wire": {"d": 4},
+    }
 
 
 def test_the_index_of_decisions_lists_every_page() -> None:

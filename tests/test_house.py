@@ -17,7 +17,20 @@ ROOT = Path(__file__).resolve().parents[1]
 SOURCES = sorted((ROOT / "src" / "punchform").rglob("*.py"))
 MOST_LINES = 350
 EMPTY_NAMES = {"utils", "util", "helpers", "helper", "manager", "data", "process", "misc", "common"}
-HEAVY = ("numpy", "scipy", "numba", "matplotlib", "pydantic", "rich", "sympy", "tomlkit", "jinja2", "rslab", "ezdxf")
+HEAVY = (
+    "numpy",
+    "scipy",
+    "numba",
+    "matplotlib",
+    "pydantic",
+    "rich",
+    "sympy",
+    "tomlkit",
+    "jinja2",
+    "rslab",
+    "ezdxf",
+    "OCP",
+)
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(ROOT / "src")))

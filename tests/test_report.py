@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import math
 import re
 import struct
@@ -12,19 +11,26 @@ from html.parser import HTMLParser
 from pathlib import Path
 from subprocess import run as subprocess_run
 from typing import TYPE_CHECKING
+from urllib.parse import unquote
 
 import numpy as np
 import pytest
+import tiny_dish
 from fake_run import FakeOutcome, check_case, fake_run
 from matplotlib.figure import Figure
 
+from punchform.case import write_case
+from punchform.report import page as page_module
+from punchform.report.figures.conclusions import found
+from punchform.report.figures.files import svg
 from punchform.report.figures.gallery import GALLERY, gallery
 from punchform.report.figures.sections import enlargement, near_section
 from punchform.report.figures.shape import TOWARDS_EYE, seen, some_wires
 from punchform.report.figures.shear import most_sheared
-from punchform.report.figures.style import about_zero, from_zero, in_colour
+from punchform.report.figures.style import about_zero, from_zero, in_colour, new_figure
 from punchform.report.page import write_report
 from punchform.report.words import energy, size, verdict
+from punchform.run import run as form
 from punchform.store import read_run, write_run
 
 if TYPE_CHECKING:
@@ -39,47 +45,115 @@ class Page(HTMLParser):
         self.open: list[str] = []
         self.ids: list[str] = []
         self.sources: list[str] = []
+        self.alternatives: list[str] = []
+        self.captions: list[str] = []
         self.text = ""
         self.feed(text)
         assert not self.open
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         found = dict(attrs)
-        if tag not in ("meta", "img", "br", "link"):
+        if tag not in ("meta", "img", "br", "link", "input"):
             self.open.append(tag)
         self.ids += [value for name, value in attrs if name == "id" and value]
         self.sources += [value for name, value in found.items() if name in ("src", "href") and value]
+        self.alternatives += [found["alt"] or ""] if "alt" in found else []
+        self.captions += [""] if tag == "figcaption" else []
 
     def handle_endtag(self, tag: str) -> None:
         assert self.open.pop() == tag
 
     def handle_data(self, data: str) -> None:
         self.text += data
+        if "figcaption" in self.open:
+            self.captions[-1] += data
 
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, Path]:
-    case = check_case().model_copy(update={"title": "<b>Dish</b> & {{ 7 * 7 }}"})
-    run = fake_run(case=case, notes=("clamped <script>alert(1)</script>",), yield_strength=250.0)
-    return run, write_run(run, tmp_path_factory.mktemp("out") / "dish", extras=(write_report,))
+    changes = {"title": "<b>Dish</b> & {{ 7 * 7 }}", "release": None, "target": None}
+    run = replace(form(tiny_dish.case().model_copy(update=changes)), notes=("clamped <script>alert(1)</script>",))
+    folder = tmp_path_factory.mktemp("dish")
+    write_report(run, folder)
+    return run, folder
 
 
-def test_every_figure_is_a_png_and_embedded_in_the_page(written: tuple[Run, Path]) -> None:
+def test_every_figure_is_a_file_twice_and_embedded_in_the_page(written: tuple[Run, Path]) -> None:
     _, folder = written
     page = Page((folder / "report.html").read_text(encoding="utf-8"))
-    assert sorted(path.stem for path in (folder / "figures").iterdir()) == sorted(p.name for p in GALLERY)
-    for picture, source in zip(GALLERY, page.sources, strict=True):
-        embedded = base64.b64decode(source.removeprefix("data:image/png;base64,"))
-        assert embedded == (folder / "figures" / f"{picture.name}.png").read_bytes()
-        width, height = struct.unpack(">II", embedded[16:24])
+    names = sorted(f"{picture.name}.{kind}" for picture in GALLERY for kind in ("png", "svg"))
+    assert sorted(path.name for path in (folder / "figures").iterdir()) == names
+    shown = [source for source in page.sources if source.startswith("data:")]
+    for picture, source in zip(GALLERY, shown, strict=True):
+        embedded = unquote(source.removeprefix("data:image/svg+xml,"))
+        assert embedded == (folder / "figures" / f"{picture.name}.svg").read_text(encoding="utf-8")
+        width, height = struct.unpack(">II", (folder / "figures" / f"{picture.name}.png").read_bytes()[16:24])
         assert 400 < width < 2000
         assert 300 < height < 2000
 
 
 def test_the_page_opens_offline(written: tuple[Run, Path]) -> None:
-    text = (written[1] / "report.html").read_text(encoding="utf-8")
-    assert all(source.startswith("data:") for source in Page(text).sources)
-    assert not re.search(r"https?:|url\(|@import|<script|<link", text)
+    text = unquote((written[1] / "report.html").read_text(encoding="utf-8"))
+    assert all(source.startswith(("data:", "#")) for source in Page(text).sources)
+    addresses = re.findall(r"https?://[^\s\"'<>]+", text)
+    assert all(address.startswith("http://www.w3.org/") for address in addresses)
+    assert not re.search(r"@import|<link|<script [^>]*src|url\((?!#)", text)
+
+
+def test_every_figure_says_in_words_what_it_comes_to(written: tuple[Run, Path]) -> None:
+    run, folder = written
+    page = Page((folder / "report.html").read_text(encoding="utf-8"))
+    assert len(page.captions) == len(page.alternatives) == len(GALLERY)
+    for picture, words, caption in zip(GALLERY, page.alternatives, page.captions, strict=True):
+        assert words == f"{picture.title}: {found(picture.name, run)}"
+        assert caption == f"{found(picture.name, run)} {picture.caption}"
+        assert re.search(r"\d", found(picture.name, run)), picture.name
+
+
+def test_the_same_run_gives_the_same_bytes(written: tuple[Run, Path], tmp_path: Path) -> None:
+    run, folder = written
+    write_report(run, tmp_path)
+    for path in sorted(folder.rglob("*.*")):
+        assert (tmp_path / path.relative_to(folder)).read_bytes() == path.read_bytes(), path.name
+
+
+def test_the_list_of_parts_leads_to_parts(written: tuple[Run, Path]) -> None:
+    page = Page((written[1] / "report.html").read_text(encoding="utf-8"))
+    anchors = [source[1:] for source in page.sources if source.startswith("#")]
+    assert {"verdict", "notes", "numbers", "details", "case"} <= set(anchors) <= set(page.ids)
+    assert len(anchors) == len(set(anchors))
+
+
+def test_both_themes_set_the_same_colours_and_paper_is_light() -> None:
+    style = (Path(page_module.__file__).parent / "templates" / "style.css.j2").read_text(encoding="utf-8")
+    dark, light = (
+        set(re.findall(r"(--\w+):", part)) for part in re.findall(r"color-scheme: (?:dark|light);(.*)", style)
+    )
+    assert dark == light >= set(re.findall(r"var\((--\w+)\)", style))
+    assert re.search(r"@media print \{\s*:root, :root\[data-theme\] \{ \{\{ light\(\)", style)
+
+
+def test_a_hundred_thousand_nodes_make_no_larger_figures() -> None:
+    """Dense parts are one picture: a figure of 27 000 nodes takes hardly more than one of 4 000."""
+    coarse, fine = fake_run(step=10.0), fake_run(step=4.0)
+    for name in ("shear", "stress", "contact"):
+        draw = next(picture.draw for picture in GALLERY if picture.name == name)
+        small, large = len(svg(draw(coarse))), len(svg(draw(fine)))
+        assert large < 1.6 * small, name
+        assert large < 60_000, name
+
+
+def test_the_letters_of_an_svg_are_those_of_the_figure() -> None:
+    """Lengths are rounded, labels are not: a tick of 0.0001 stays one."""
+    figure = new_figure(3.0, 3.0)
+    axes = figure.add_axes((0.3, 0.3, 0.6, 0.6))
+    axes.plot([0.12345, 1.0], [0.0, 1.0])
+    axes.set_xticks([0.12345], ["0.12345"])
+    drawn = svg(figure)
+    assert "0.12345<" in drawn
+    assert not re.search(r" d=\"[^\"]*\d\.\d{3}", drawn)
+    assert "<metadata" not in drawn
+    assert "DejaVu Sans, Verdana" in drawn
 
 
 def test_text_of_the_case_is_escaped(written: tuple[Run, Path]) -> None:
@@ -96,7 +170,7 @@ def test_the_page_holds_its_parts(written: tuple[Run, Path]) -> None:
     parts = {"verdict", "notes", "numbers", "details", "case"} | {picture.name for picture in GALLERY}
     assert parts <= set(page.ids)
     assert len(page.ids) == len(set(page.ids))
-    assert (folder / "case.toml").read_text(encoding="utf-8").strip() in page.text
+    assert write_case(run.case).strip() in page.text
     assert all(sentence.replace("`", "") in page.text for sentence in verdict(run))
 
 
@@ -245,8 +319,6 @@ def test_neither_the_package_nor_the_store_brings_in_matplotlib() -> None:
 
 def test_a_real_run_is_written_and_read_back(tmp_path: Path) -> None:
     """The names of the fake run are those of a real one; the energy of the table is that of the run."""
-    from punchform.run import run as form
-
     case = check_case()
     coarse = case.model_copy(update={"grid": case.grid.model_copy(update={"step": (15.0, 15.0)})})
     formed = form(coarse)

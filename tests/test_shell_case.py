@@ -89,7 +89,16 @@ def test_the_folder_is_a_run_that_is_read_back(tmp_path: Path, capsys: pytest.Ca
     assert main(["form", PACKAGED, "-o", str(folder), "--quiet"]) == 0
     assert "630.6" in capsys.readouterr().out
     names = {path.name for path in folder.iterdir()}
-    assert names == {"case.toml", "result.json", "nodes.csv", "wires.csv", "shape.vtp", "figures", "report.html"}
+    assert names == {
+        "case.toml",
+        "result.json",
+        "nodes.csv",
+        "wires.csv",
+        "shape.vtp",
+        "run.npz",
+        "figures",
+        "report.html",
+    }
     figures = {path.name for path in (folder / "figures").iterdir()}
     assert figures == {"shape.png", "axial_x.png", "axial_y.png", "stress.png"}
     assert read_case(folder / "case.toml") == read_case(PACKAGED)

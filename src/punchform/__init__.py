@@ -23,10 +23,23 @@ if TYPE_CHECKING:
     from punchform.run import run as run
     from punchform.shell import Shell as Shell
     from punchform.shell import form_shell as form_shell
+    from punchform.store import load_run as load_run
 
 __version__ = "0.1.0"
 
-__all__ = ["Case", "Drape", "Formed", "Run", "Shell", "__version__", "drape", "form_shell", "read_case", "run"]
+__all__ = [
+    "Case",
+    "Drape",
+    "Formed",
+    "Run",
+    "Shell",
+    "__version__",
+    "drape",
+    "form_shell",
+    "load_run",
+    "read_case",
+    "run",
+]
 
 _HOMES = {
     "Case": "case",
@@ -38,6 +51,7 @@ _HOMES = {
     "run": "run",
     "Shell": "shell",
     "form_shell": "shell",
+    "load_run": "store",
 }
 _VERBS = ("run", "drape")
 

@@ -2,6 +2,15 @@
 
 import sys
 
-from punchform.cli import main
 
-sys.exit(main())
+def start() -> int:
+    """The command, whose imports can be interrupted too; returns the exit code."""
+    try:
+        from punchform.cli import main
+    except KeyboardInterrupt:
+        return 130
+    return main()
+
+
+if __name__ == "__main__":
+    sys.exit(start())

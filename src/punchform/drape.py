@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from punchform.arrays import Floats, Ints
 from punchform.case import Case
+from punchform.drawing import drawing_room
 from punchform.errors import InputError, Problem
 from punchform.grid import Grid
 from punchform.mechanics.frames import State
@@ -28,6 +30,9 @@ from punchform.prepare import prepare
 from punchform.progress import Observer, Progress, silent
 from punchform.punch import Surface
 from punchform.whole import Whole, unfold
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 DIRECTIONS = 360
 
@@ -102,6 +107,15 @@ class Drape:
         ends = self.grid.wire_ends.any(axis=(1, 2)) & self.net.reached
         flat = np.linalg.norm(self.grid.flat[ends], axis=1)
         return float((flat - np.linalg.norm(self.net.positions[ends, :2] - self.origin, axis=1)).max(initial=0.0))
+
+    def plot(self) -> Figure:
+        """A figure of the net on its surface, seen from the side and above."""
+        figure: Figure = drawing_room().plot_drape(self)
+        return figure
+
+    def _repr_html_(self) -> str:
+        shown: str = drawing_room().html_of_drape(self)
+        return shown
 
 
 def drape(

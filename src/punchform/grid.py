@@ -22,10 +22,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from punchform.arrays import Bools, Floats, Ints
+from punchform.drawing import drawing_room
 from punchform.errors import InputError
 from punchform.outline import inside, reach
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from punchform.case import GridCase
 
 FEWEST_NODES = 9
@@ -109,6 +112,15 @@ class Grid:
         # Before a mirror plane the wire goes on in its own image.
         missing[:, :, 0] &= ~self.on_mirror
         return np.asarray(missing & self.passes[:, :, None])
+
+    def plot(self) -> Figure:
+        """A figure of the flat grid: its wires in plan, those of a quarter with their mirror images."""
+        figure: Figure = drawing_room().plot_grid(self)
+        return figure
+
+    def _repr_html_(self) -> str:
+        shown: str = drawing_room().html_of_grid(self)
+        return shown
 
 
 def lay(

@@ -136,7 +136,8 @@ def _in_strokes(
         return _minimised(energy, start, task.tool, case, solver, observe, stage=f"press, {task.share:.0%} down")
 
     holding = None if case.hold is None else holder(grid, surface.rim_radius, case.hold)
-    return go_down(grid, surface, count, form, held=_held_flat(grid, surface, case), holder=holding, settle=settle)
+    held = _held_flat(grid, surface, case)
+    return go_down(grid, surface, count, form, held=held, holder=holding, settle=settle, observe=observe)
 
 
 def _minimised(
@@ -331,14 +332,13 @@ def formed_by(
     chart = energy.kinematics.chart(solution.state)
     contact = chart.contact(energy.gradient(chart).G)
     done = solved(energy, solution, elements, contact, yield_strength)
-    told = remarks(energy.grid, elements, done.whole, surface, case)
-    gripped = () if down.grip is None else down.grip.notes
-    strokes = down.strokes or (Stroke(1.0, solution.steps, solution.factorisations, done.energy, 0.0),)
+    notes = remarks(energy.grid, elements, done.whole, surface, case) + (() if down.grip is None else down.grip.notes)
+    once = Stroke(1.0, solution.steps, solution.factorisations, done.energy, 0.0, solution.state.positions)
     return Formed(
-        **{**vars(done), "notes": told + gripped},
+        **{**vars(done), "notes": notes},
         surface=surface,
         held=_held(energy),
-        strokes=strokes,
+        strokes=down.strokes or (once,),
         grip=down.grip,
     )
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import TypedDict, TypeVar
+from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from punchform.case import (
     Step,
     TrimCase,
 )
+from punchform.drawing import drawing_room
 from punchform.errors import InputError, NoEquilibrium
 from punchform.grid import Grid, lay
 from punchform.load import Loaded, load
@@ -32,6 +33,9 @@ from punchform.release import Released, release
 from punchform.solved import Shaped
 from punchform.start import struck
 from punchform.trim import Trimmed, cut_like, trim
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Done = Formed | Released | Trimmed | Loaded
 OneKind = TypeVar("OneKind", Formed, Released, Loaded)
@@ -73,6 +77,26 @@ class Run:
         """The last press or release: what leaves the workshop."""
         return _final(self.stages)
 
+    def plot(self, field: str = "shape", stage: str = "formed") -> Figure:
+        """A figure of a stage: its "shape", or in plan "height", "shear", "axial_force", "stress", "deviation", ...
+
+        stage: "formed", "released", "loaded", or the name of one of `stages`. Raises ValueError for a field or a stage
+        that the run has not, with those that it has.
+        """
+        figure: Figure = drawing_room().plot_run(self, field, stage)
+        return figure
+
+    def plot3d(self, field: str = "shape", stage: str = "formed", *, off_screen: bool = False) -> Any:
+        """A PyVista plotter, whose `show` opens a view that can be turned; needs `punchform[pyvista]`.
+
+        Raises InputError where PyVista is not installed, ValueError as `plot` does.
+        """
+        return drawing_room().plot_run_3d(self, field, stage, off_screen)
+
+    def _repr_html_(self) -> str:
+        shown: str = drawing_room().html_of_run(self)
+        return shown
+
 
 class _Wires(TypedDict):
     """What every solve needs beside grid and elements."""
@@ -98,6 +122,13 @@ def run(case: Case, *, observe: Observer = silent) -> Run:
     for step in case.steps:
         number = 1 + sum(stage.kind == step.kind for stage in stages)
         stages.append(Stage(step.kind, number, step.settings, _done(step, stages, case, ready, wires)))
+    notes = tuple(doubt.message for doubt in ready.doubts)
+    done = gathered(case, ready, tuple(stages), notes=notes, seconds=0.0)
+    return replace(done, seconds=perf_counter() - begun)
+
+
+def gathered(case: Case, ready: Prepared, stages: tuple[Stage, ...], *, notes: tuple[str, ...], seconds: float) -> Run:
+    """The run that the stages of a case make: the last of each kind, and how near the grid came to the target."""
     formed = _last(Formed, stages)
     assert formed is not None, "the first stage is a press"
     accuracy = None
@@ -106,17 +137,7 @@ def run(case: Case, *, observe: Observer = silent) -> Run:
         # The shape is judged at its crossings, wherever else a wire has nodes.
         crossings = np.where(whole.between[:, None] == 0, whole.positions, np.nan)
         accuracy = measure_case(crossings, whole.cells, case.target, apex_height=ready.punch.height_at_axis)
-    notes = tuple(doubt.message for doubt in ready.doubts)
-    return Run(
-        case,
-        formed,
-        _last(Released, stages),
-        _last(Loaded, stages),
-        accuracy,
-        notes,
-        perf_counter() - begun,
-        tuple(stages),
-    )
+    return Run(case, formed, _last(Released, stages), _last(Loaded, stages), accuracy, notes, seconds, stages)
 
 
 def _done(step: Step, stages: Sequence[Stage], case: Case, ready: Prepared, wires: _Wires) -> Done:

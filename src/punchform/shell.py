@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from punchform.case import Case, End, GridCase, WiresBlank
+from punchform.drawing import drawing_room
 from punchform.ends import nodes_of
 from punchform.errors import InputError
 from punchform.grid import lay
@@ -13,6 +15,9 @@ from punchform.gridshell import Gridshell, gridshell, straight_elements
 from punchform.progress import Observer, silent
 from punchform.wire import Element, pieces, round_section, stiffness
 from punchform.wires import FlatWire, LaidWires, lay_wires, wires_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -32,6 +37,15 @@ class Shell:
     ends: tuple[End, ...]
     formed: Gridshell
     seconds: float
+
+    def plot(self) -> Figure:
+        """A figure of the gridshell, seen from the side and above."""
+        figure: Figure = drawing_room().plot_shell(self)
+        return figure
+
+    def _repr_html_(self) -> str:
+        shown: str = drawing_room().html_of_shell(self)
+        return shown
 
 
 def prepare_shell(case: Case) -> PreparedShell:

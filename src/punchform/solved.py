@@ -25,7 +25,7 @@ class Shaped:
 
     energy_kinds: stretch ½ D1 F1, bend ½ (D3 F3 + D5 F5), in_plane ½ (D2 F2 + D6 F6), twist ½ D4 F4, and what the
     crossing springs hold. grid and state are of the solved part, `whole` is the whole grid; hardening: how the wires
-    yield, None for elastic ones.
+    yield, None for elastic ones; flow_work: what flow has taken from the whole grid up to now [mJ].
     """
 
     grid: Grid
@@ -35,6 +35,7 @@ class Shaped:
     energy_kinds: dict[str, float]
     notes: tuple[str, ...]
     hardening: Hardening | None
+    flow_work: float
 
     @property
     def solved_nodes(self) -> int:
@@ -72,12 +73,6 @@ class Shaped:
         if self.hardening is None or self.hardening.breaks_at is None:
             return None
         return float(np.log1p(self.max_axial_strain)) / self.hardening.breaks_at
-
-    @property
-    def flow_work(self) -> float:
-        """Work that flow has taken from the whole grid up to now [mJ]."""
-        history = self.state.history
-        return 0.0 if history is None else float(self.grid.copies * (history.work @ self.grid.weight))
 
 
 @dataclass(frozen=True)
@@ -163,7 +158,13 @@ def solved(
         seconds=solution.seconds,
         notes=(),
         hardening=elements[0].hardening,
+        flow_work=flow_work(energy.grid, solution.state),
     )
+
+
+def flow_work(grid: Grid, state: State) -> float:
+    """Work that flow has taken from the whole grid by the time of a state of its solved part [mJ]."""
+    return 0.0 if state.history is None else float(grid.copies * (state.history.work @ grid.weight))
 
 
 def whole_of(

@@ -18,14 +18,14 @@ from numpy.typing import NDArray
 from punchform.errors import InputError
 from punchform.export.result import result_json
 from punchform.export.tables import NODE_COLUMNS, PLASTIC_COLUMNS, WIRE_COLUMNS, write_nodes, write_wires
-from punchform.export.told import released_on, told, with_the_rest
-from punchform.export.vtp import write_vtp
-from punchform.whole import places_in
+from punchform.export.told import told, with_the_rest
+from punchform.export.vtp import vtp_files
 
 if TYPE_CHECKING:
     from punchform.run import Run
+    from punchform.shell import Shell
 
-RESULT, CASE, NODES, WIRES, SHAPE = "result.json", "case.toml", "nodes.csv", "wires.csv", "shape.vtp"
+RESULT, CASE, NODES, WIRES, KEPT = "result.json", "case.toml", "nodes.csv", "wires.csv", "run.npz"
 WIRES_RELEASED = "wires_released.csv"
 _WHOLE_NUMBERS = {"family", "i", "j"}
 
@@ -107,8 +107,8 @@ def replace_file(path: Path, text: str) -> None:
 
 
 def write_run(run: Run, folder: str | Path, *, overwrite: bool = False, extras: Sequence[Extra] = ()) -> Path:
-    """Write the run folder and return its path: case.toml, result.json, nodes.csv, wires.csv, shape.vtp, and with a
-    release wires_released.csv.
+    """Write the run folder and return its path: case.toml, result.json, nodes.csv, wires.csv, shape.vtp, run.npz, and
+    with a release wires_released.csv.
 
     `extras` are called as `extra(run, folder)` to add files of their own (the report). Whole or not at all, see
     `write_folder`, and raises what that raises.
@@ -166,6 +166,47 @@ def read_run(folder: str | Path) -> StoredRun:
     return StoredRun(path, content, nodes, wires, _read_wires(after) if after.exists() else None)
 
 
+def load_run(folder: str | Path) -> Run:
+    """The run that a folder holds, as `punchform.run` gave it, without a solve.
+
+    What wires that yield remember for a further stroke (`state.history`) is not kept. Raises InputError for a folder
+    that is not a run, that another version wrote, or whose files are damaged.
+    """
+    from punchform.shell import Shell
+
+    found = load(folder)
+    if isinstance(found, Shell):
+        raise InputError.of("the folder holds a gridshell, not a grid on a punch", where=str(folder))
+    return found
+
+
+def load(folder: str | Path) -> Run | Shell:
+    """The run or the gridshell that a folder holds; raises InputError as `load_run` does."""
+    from punchform.case import read_case
+    from punchform.kept import kept
+
+    path = Path(os.path.expanduser(folder)).resolve()
+    if _kind(path) != "run":
+        raise InputError.of(
+            f"not a punchform run: the folder has no usable {RESULT}" if path.is_dir() else "no such folder",
+            where=str(folder),
+            hint="give the folder that `punchform form CASE -o FOLDER` wrote",
+        )
+    if not (path / KEPT).is_file():
+        raise InputError.of(
+            f"the folder holds no {KEPT}: another command or an older version wrote it",
+            where=str(folder),
+            hint=f"form its case again: `punchform form {folder}/{CASE} -o FOLDER`",
+        )
+    case = read_case(str(path / CASE))
+    try:
+        return kept(case, path / KEPT)
+    except OSError as problem:
+        raise InputError.of(f"cannot be read: {problem.strerror}", where=str(path / KEPT)) from problem
+    except ValueError as problem:
+        raise InputError.of(f"the file is damaged: {problem}", where=str(path / KEPT)) from problem
+
+
 def _keep_precious(path: Path, where: str) -> None:
     """Refuse the folder one is in, the home folder, and every folder above them (so also the root)."""
     for name, place in (
@@ -195,6 +236,7 @@ def _kind(path: Path) -> Literal["free", "run", "other", "file"]:
 
 def _write_files(run: Run, folder: Path) -> None:
     from punchform.case import write_case
+    from punchform.kept import keep
 
     (folder / CASE).write_text(write_case(run.case), encoding="utf-8", newline="\n")
     (folder / RESULT).write_text(result_json(run), encoding="utf-8", newline="\n")
@@ -203,9 +245,8 @@ def _write_files(run: Run, folder: Path) -> None:
     released = told(run).released
     if released is not None:
         write_wires(folder / WIRES_RELEASED, released)
-    whole = run.formed.whole
-    judged = None if run.case.stages is None else places_in(run.final.whole.flat, whole.flat)
-    write_vtp(folder / SHAPE, run.formed, released_on(run, whole), run.accuracy, judged)
+    vtp_files(run, folder)
+    keep(run, folder / KEPT)
 
 
 def _put_in_place(aside: Path, target: Path) -> None:

@@ -22,6 +22,7 @@ from punchform.mechanics.footing import normals_of
 from punchform.mechanics.frames import State, is_finite, perpendicular, unit
 from punchform.mechanics.friction import Friction
 from punchform.mechanics.outcome import Solution
+from punchform.progress import Observer, Progress, silent
 from punchform.punch import Surface, lowered, project
 from punchform.solved import joined
 from punchform.start import flat, flat_start
@@ -32,16 +33,17 @@ SHORTEST = 1.0 / 16
 """The shortest part of a stroke that is tried."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Stroke:
     """One stroke of the whole grid: the share of the depth at its end, its steps and factorisations, the elastic energy
-    at its end and the work done against friction in it [mJ]."""
+    at its end and the work done against friction in it [mJ]; positions (N, 3) of the solved nodes at its end [mm]."""
 
     share: float
     steps: int
     factorisations: int
     energy: float
     friction_work: float
+    positions: Floats
 
 
 @dataclass(frozen=True)
@@ -104,6 +106,7 @@ def go_down(
     held: Bools,
     holder: Holder | None = None,
     settle: Settle = remembered,
+    observe: Observer = silent,
 ) -> Descent:
     """Press the grid in `count` strokes; one that fails is halved, down to a sixteenth.
 
@@ -115,6 +118,8 @@ def go_down(
     solutions: list[Solution] = []
     strokes: list[Stroke] = []
     while ahead:
+        if count > 1:
+            observe(Progress("press", done=count * here.share, total=count))
         tool = lowered(surface, ahead[0])
         start = carried(older, here, tool, ahead[0], held) if here.share else flat_start(grid, tool)
         rubbing = None if holder is None or here.grasp is None else holder.friction(here.state, here.grasp)
@@ -133,6 +138,8 @@ def go_down(
         older, here = here, Lying(ahead.pop(0), state, grasp)
         solutions.append(replace(solution, state=state))
         strokes.append(_stroke(grid, energy, solutions[-1], older, here))
+    if count > 1:
+        observe(Progress("press", done=count, total=count))
     assert energy is not None
     grip = None if holder is None or here.grasp is None else holder.grip(here.grasp)
     return Descent(energy, _as_one(solutions), tuple(strokes), grip)
@@ -187,7 +194,14 @@ def _where(share: float, tried: float, failure: str) -> str:
 def _stroke(grid: Grid, energy: Energy, solution: Solution, older: Lying, here: Lying) -> Stroke:
     elastic = float(energy.elastic(here.state)[2] @ grid.weight) + energy.springs(here.state)
     work = 0.0 if here.grasp is None or older.grasp is None else here.grasp.work - older.grasp.work
-    return Stroke(here.share, solution.steps, solution.factorisations, grid.copies * elastic, grid.copies * work)
+    return Stroke(
+        share=here.share,
+        steps=solution.steps,
+        factorisations=solution.factorisations,
+        energy=grid.copies * elastic,
+        friction_work=grid.copies * work,
+        positions=here.state.positions,
+    )
 
 
 def _as_one(solutions: list[Solution]) -> Solution:

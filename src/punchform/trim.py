@@ -17,7 +17,7 @@ from punchform.errors import InputError
 from punchform.forces import wire_mass
 from punchform.grid import FEWEST_NODES, Grid
 from punchform.mechanics.frames import State, crossing_angle
-from punchform.solved import Shaped, kinds_of
+from punchform.solved import Shaped, flow_work, kinds_of
 from punchform.whole import Whole, part_of, places_in, spread_over
 from punchform.wire import Element
 
@@ -80,6 +80,7 @@ def trim(
         energy_kinds=rest.energy_kinds,
         notes=_remarks(stage.whole, all_kept, radius, int(spread_over(grid, hanging).sum())),
         hardening=stage.hardening,
+        flow_work=flow_work(left, state),
         radius=radius,
         crossings_cut=stage.whole.crossings - whole.crossings,
         pieces_cut=len(stage.whole.family) - len(whole.family),

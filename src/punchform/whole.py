@@ -134,6 +134,14 @@ def unfold_vectors(grid: Grid, vectors: Floats, odd: tuple[bool, bool] = (False,
     return np.asarray(vectors[source] * space * flips[:, None])
 
 
+def unfold_loads(grid: Grid, loads: Floats) -> Floats:
+    """Forces and moments at the ends of the solved elements (m, 2, 6) as those of the elements of the whole grid."""
+    source, signs = _element_copies(grid)
+    space = np.column_stack((signs, np.ones(len(signs), dtype=np.int64)))
+    turned = np.concatenate((space, signs.prod(axis=1)[:, None] * space), axis=1)
+    return np.asarray(loads[source] * turned[:, None])
+
+
 def fold_vectors(grid: Grid, vectors: Floats) -> Floats:
     """What vectors at the nodes of the whole grid (N, 3) do to the solved nodes (n, 3): the transpose of unfolding."""
     source, signs = _node_copies(grid)

@@ -24,6 +24,7 @@ from punchform.case import (
 )
 from punchform.cli.drape import drape_case
 from punchform.cli.exits import Exit
+from punchform.cli.voice import Voice
 from punchform.drape import drape
 from punchform.errors import InputError
 from punchform.net import length_within
@@ -138,7 +139,7 @@ def test_an_observer_hears_of_compiling_once() -> None:
 
 def test_the_command_writes_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "net"
-    assert drape_case("packaged:check", str(folder), overwrite=False, quiet=False, as_json=True) is Exit.DONE
+    assert drape_case("packaged:check", str(folder), overwrite=False, voice=Voice.PLAIN, as_json=True) is Exit.DONE
     printed = json.loads(capsys.readouterr().out)
     assert printed == json.loads((folder / "result.json").read_text())
     assert printed["grid"] == {"nodes": 6625, "elements": 13064, "solved_nodes": 1703}
@@ -160,12 +161,18 @@ def test_the_command_writes_a_folder(tmp_path: Path, capsys: pytest.CaptureFixtu
 
 def test_the_command_refuses_and_replaces_folders(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "net"
-    drape_case("packaged:check", str(folder), overwrite=False, quiet=True, as_json=False)
+    drape_case("packaged:check", str(folder), overwrite=False, voice=Voice.QUIET, as_json=False)
     assert str(folder) in capsys.readouterr().out
     with pytest.raises(InputError, match="already holds a run"):
-        drape_case("packaged:check", str(folder), overwrite=False, quiet=True, as_json=False)
+        drape_case("packaged:check", str(folder), overwrite=False, voice=Voice.QUIET, as_json=False)
     turned = drape_case(
-        "packaged:check", str(folder), overwrite=True, quiet=True, as_json=True, origin="10 mm, 5", direction="20 deg"
+        "packaged:check",
+        str(folder),
+        overwrite=True,
+        voice=Voice.QUIET,
+        as_json=True,
+        origin="10 mm, 5",
+        direction="20 deg",
     )
     assert turned is Exit.DONE
     assert json.loads((folder / "result.json").read_text())["grid"]["solved_nodes"] == 6625
@@ -176,7 +183,7 @@ def test_a_net_that_locks_is_written_and_not_within_tolerance(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = str(tmp_path / "net")
-    code = drape_case("packaged:check", folder, overwrite=False, quiet=False, as_json=False, shear_limit="5 deg")
+    code = drape_case("packaged:check", folder, overwrite=False, voice=Voice.PLAIN, as_json=False, shear_limit="5 deg")
     assert code is Exit.OUT_OF_TOLERANCE
     assert "note: the net locks" in capsys.readouterr().err
 
@@ -184,7 +191,7 @@ def test_a_net_that_locks_is_written_and_not_within_tolerance(
 def test_a_net_that_ends_is_written_as_far_as_it_goes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "net"
     case = str(hemisphere(tmp_path))
-    code = drape_case(case, str(folder), overwrite=False, quiet=False, as_json=False, origin="70 mm, 0 mm")
+    code = drape_case(case, str(folder), overwrite=False, voice=Voice.PLAIN, as_json=False, origin="70 mm, 0 mm")
     assert code is Exit.OUT_OF_TOLERANCE
     assert "note: the net ends" in capsys.readouterr().err
     content = json.loads((folder / "result.json").read_text())
@@ -214,5 +221,5 @@ def test_a_net_that_ends_is_written_as_far_as_it_goes(tmp_path: Path, capsys: py
 )
 def test_quantities_that_cannot_be_used_are_refused(tmp_path: Path, given: dict[str, str], words: str) -> None:
     with pytest.raises(InputError, match=words):
-        drape_case("packaged:check", str(tmp_path / "net"), overwrite=False, quiet=True, as_json=False, **given)
+        drape_case("packaged:check", str(tmp_path / "net"), overwrite=False, voice=Voice.QUIET, as_json=False, **given)
     assert not (tmp_path / "net").exists()

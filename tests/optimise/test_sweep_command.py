@@ -96,7 +96,9 @@ def test_an_interrupted_sweep_goes_on(
 
     monkeypatch.setattr(sweep_module, "work", interrupted)
     assert command(*OVER) == 130
-    assert "4 of 6 designs are kept; the same command goes on from there" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "note: 4 of 6 designs are done\ninterrupted; what was done is kept in " in said
+    assert "hint: give the same command again to go on from there" in said
     assert len(rows(tmp_path / "out")) == 4
     made.clear()
     assert command(*OVER, "--json") == 0
@@ -184,7 +186,7 @@ def test_the_page_of_sweeps_says_what_can_be_asked() -> None:
     assert len(texts) >= 7
     for text in texts:
         assert variation(CASE, text).place == text.partition("=")[0]
-    (scatter,) = re.findall(r"^```toml\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    _, scatter = re.findall(r"^```toml\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
     assert len(scattered(tiny_dish.case(scatter))) == scatter.count("=") - 1
 
 

@@ -23,7 +23,7 @@ from punchform.case.hardening import (
 from punchform.case.load import LoadCase, PointForce, WindCase
 from punchform.case.memory import machine_memory
 from punchform.case.optimise import LimitCase, ObjectiveCase, OptimiseCase, VariableCase
-from punchform.case.packaged import TEMPLATE, packaged_cases, packaged_text
+from punchform.case.packaged import PREFIX, TEMPLATE, introduction, packaged_cases, packaged_text
 from punchform.case.press import DescentCase, HolderCase, PressCase, SolverCase
 from punchform.case.punch import (
     ConeProfile,
@@ -49,6 +49,7 @@ from punchform.case.writing import write_case
 
 __all__ = [
     "COLUMNS",
+    "PREFIX",
     "TEMPLATE",
     "Blank",
     "Case",
@@ -113,6 +114,7 @@ __all__ = [
     "WireCase",
     "WiresBlank",
     "case_from_text",
+    "introduction",
     "json_schema",
     "machine_memory",
     "number",

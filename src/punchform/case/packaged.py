@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from difflib import get_close_matches
 from importlib.resources import files
 
 from punchform.errors import InputError
@@ -23,8 +25,24 @@ def packaged_text(name: str) -> str:
     """The text of a packaged case. Raises InputError for an unknown name."""
     known = packaged_cases()
     if name not in known:
+        near = get_close_matches(name, known, n=1)
+        meant = f"did you mean `{PREFIX}{near[0]}`? " if near else ""
         raise InputError.of(
             f"there is no packaged case '{name}'",
-            hint="there are: " + ", ".join(PREFIX + case for case in known),
+            hint=meant + "there are: " + ", ".join(PREFIX + case for case in known),
         )
     return files("punchform").joinpath("cases", f"{name}.toml").read_text(encoding="utf-8")
+
+
+def introduction(text: str) -> str:
+    """What a case shows: the first sentence of the comment that it begins with, empty without one.
+
+    >>> introduction("# A dish of 0.8 mm\\n# wire. It runs.\\nschema = 1")
+    'A dish of 0.8 mm wire.'
+    """
+    lines = []
+    for line in text.splitlines():
+        if not line.startswith("#"):
+            break
+        lines.append(line.lstrip("# ").rstrip())
+    return re.split(r"(?<=[.!?])\s", " ".join(lines).strip(), maxsplit=1)[0]

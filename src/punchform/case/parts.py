@@ -106,7 +106,13 @@ class Quantity:
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         text = {"type": "string", "examples": [self.dimension.example]}
         unit = f"; a bare number is in {self.dimension.unit}" if self.dimension.unit else ""
-        return {"anyOf": [{"type": "number"}, text], "description": self.dimension.name + unit}
+        return {"anyOf": [{"type": "number", **self._limits()}, text], "description": self.dimension.name + unit}
+
+    def _limits(self) -> dict[str, float]:
+        """The finite limits by the words of JSON schema."""
+        limits = {"minimum": self.least, "exclusiveMinimum": self.above}
+        limits |= {"maximum": self.most, "exclusiveMaximum": self.below}
+        return {word: limit for word, limit in limits.items() if math.isfinite(limit)}
 
 
 # A nanometre and a thousand kilometres: beyond them a unit is wrong, and products of lengths would overflow.

@@ -91,6 +91,8 @@ def read_text(path: str | Path) -> CaseText:
     name = str(path)
     if name.startswith(PREFIX):
         return CaseText(packaged_text(name.removeprefix(PREFIX)), name)
+    if not name:
+        raise InputError.of("the name of a case file is empty", hint="`punchform new FILE` writes a case to start from")
     file = Path(path)
     try:
         if file.is_dir():

@@ -11,7 +11,8 @@ import numpy as np
 from punchform.case import Case, read_case
 from punchform.cli.exits import Exit
 from punchform.cli.lengths import length_above_zero
-from punchform.cli.talk import say
+from punchform.cli.talk import notes
+from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.export.compare import COMPARISON, POINTS, comparison_json, mark_json, points_csv
 from punchform.measured import Comparison, Predicted, Wish, compare, read_cloud
@@ -35,7 +36,7 @@ def compare_points(
     skip_bad_rows: bool,
     drop_outliers: bool,
     overwrite: bool,
-    quiet: bool,
+    voice: Voice,
     as_json: bool,
 ) -> Exit:
     """Compare a cloud with a run and write the folder of the comparison.
@@ -52,9 +53,7 @@ def compare_points(
     cloud = read_cloud(points, unit=units, skip_bad_rows=skip_bad_rows)
     done = compare(case, predicted, cloud, wish, tolerance=limit)
     folder = write_comparison(done, output, overwrite=overwrite)
-    if not quiet:
-        for note in done.notes:
-            say(f"note: {note}")
+    notes(done.notes, voice)
     print((folder / COMPARISON).read_text(encoding="utf-8").rstrip() if as_json else summary(done, folder))
     return Exit.OUT_OF_TOLERANCE if done.within is False else Exit.DONE
 

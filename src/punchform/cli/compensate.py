@@ -10,7 +10,8 @@ import numpy as np
 from punchform.case import Case, parse, read_text, write_case
 from punchform.cli.exits import Exit
 from punchform.cli.lengths import length_above_zero
-from punchform.cli.talk import Talk, say
+from punchform.cli.talk import WRITING, Talk, notes
+from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.export.punch_files import write_punch
 from punchform.optimise.compensated import Compensated, Wish, compensate_case
@@ -34,7 +35,7 @@ def compensate_punch(
     compare: bool,
     response: bool,
     overwrite: bool,
-    quiet: bool,
+    voice: Voice,
     as_json: bool,
 ) -> Exit:
     """Compensate the punch of a case and write the folder of the answer.
@@ -49,15 +50,14 @@ def compensate_punch(
     check_folder(output, overwrite=overwrite)
     tolerance = length if length is not None else (None if case.target is None else case.target.tolerance)
     wish = Wish(surface, Limits(tolerance, at_most, share), compare=compare, response=response)
-    with Talk(quiet=quiet) as talk:
+    with Talk(voice) as talk:
         try:
             done = compensate_case(case, wish, observe=talk)
         except InputError as error:
             raise source.placed(error) from None
+        talk.begin(WRITING)
         folder = write_compensation(done, output, overwrite=overwrite)
-    if not quiet:
-        for note in done.notes:
-            say(f"note: {note}")
+    notes(done.notes, voice)
     print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else summary(done, folder))
     return Exit.OUT_OF_TOLERANCE if done.within is False else Exit.DONE
 

@@ -12,12 +12,14 @@ import numpy as np
 from punchform.case import parse, read_text, write_case
 from punchform.case.parts import Quantity
 from punchform.cli.exits import Exit
-from punchform.cli.talk import Talk, say
+from punchform.cli.talk import WRITING, Talk, notes
+from punchform.cli.voice import Voice
 from punchform.drape import Drape, drape
 from punchform.errors import InputError
 from punchform.export.drape import LENGTHS, OUTLINE, drape_json, reached_nodes, write_drape_tables
+from punchform.export.vtp import SHAPE
 from punchform.report.drape import write_drape_report
-from punchform.store import CASE, NODES, RESULT, SHAPE, check_folder, write_folder
+from punchform.store import CASE, NODES, RESULT, check_folder, write_folder
 from punchform.units import ANGLE, LENGTH, UnitError, quantity
 
 ANGLES = {
@@ -32,7 +34,7 @@ def drape_case(
     output: str,
     *,
     overwrite: bool,
-    quiet: bool,
+    voice: Voice,
     as_json: bool,
     origin: str | None = None,
     direction: str | None = None,
@@ -47,16 +49,15 @@ def drape_case(
     case = parse(source)
     check_folder(output, overwrite=overwrite)
     start, angle, limit = _origin(origin), _angle(direction, "direction"), _angle(shear_limit, "shear_limit")
-    with Talk(quiet=quiet) as talk:
+    with Talk(voice) as talk:
         try:
             done = drape(case, origin=start, direction=angle or 0.0, shear_limit=limit, observe=talk)
         except InputError as error:
             given = {"origin": origin, "shear_limit": shear_limit}
             raise source.placed(_as_typed(error, given)) from None
-    folder = write_drape(done, output, overwrite=overwrite)
-    if not quiet:
-        for note in done.notes:
-            say(f"note: {note}")
+        talk.begin(WRITING)
+        folder = write_drape(done, output, overwrite=overwrite)
+    notes(done.notes, voice)
     print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else summary(done, folder))
     return Exit.DONE if done.net.complete and not done.net.locked.any() else Exit.OUT_OF_TOLERANCE
 

@@ -9,11 +9,12 @@ from punchform.case import parse, read_text
 from punchform.cli.exits import Exit
 from punchform.cli.pictures import picture_file
 from punchform.cli.talk import say
+from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.wire import Element, describe, plot_element, stiffness
 
 
-def element(path: str, *, axes: Literal["element", "paper"], as_json: bool, plot: str | None) -> Exit:
+def element(path: str, *, axes: Literal["element", "paper"], as_json: bool, plot: str | None, voice: Voice) -> Exit:
     """Print stiffness, flexibility and checks of the wire of a case; both families when they differ.
 
     The JSON has the wire along x at the top and, when the steps differ, the one along y in `second_family`.
@@ -37,7 +38,8 @@ def element(path: str, *, axes: Literal["element", "paper"], as_json: bool, plot
         for number, one in enumerate(elements):
             target = image if number == 0 else image.with_stem(f"{image.stem}-y")
             plot_element(one, target)
-            say(f"drew {target}")
+            if voice is not Voice.QUIET:
+                say(f"drew {target}")
     return Exit.DONE
 
 

@@ -13,6 +13,7 @@ class Exit(IntEnum):
     UNUSABLE_INPUT = 2
     NO_EQUILIBRIUM = 3
     INTERRUPTED = 130
+    TERMINATED = 143
 
     @property
     def sentence(self) -> str:
@@ -25,5 +26,6 @@ _SENTENCES = {
     Exit.OUT_OF_TOLERANCE: "done, but the shape is out of tolerance",
     Exit.UNUSABLE_INPUT: "the input cannot be used",
     Exit.NO_EQUILIBRIUM: "no equilibrium was found",
-    Exit.INTERRUPTED: "interrupted",
+    Exit.INTERRUPTED: "interrupted with Ctrl-C",
+    Exit.TERMINATED: "terminated by the system (SIGTERM)",
 }

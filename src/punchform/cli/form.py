@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, cast
 from punchform.case import parse, read_text
 from punchform.cli.exits import Exit
 from punchform.cli.shell import form_gridshell
-from punchform.cli.talk import Talk, say
+from punchform.cli.talk import WRITING, Talk, notes, say
+from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.export.result import all_notes, largest
 from punchform.export.told import told
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from punchform.trim import Trimmed
 
 
-def form(path: str, output: str, *, overwrite: bool, quiet: bool, as_json: bool) -> Exit:
+def form(path: str, output: str, *, overwrite: bool, voice: Voice, as_json: bool) -> Exit:
     """Press the grid of a case over its punch, or move its wire ends, and write the run folder.
 
     Raises InputError for a case or folder that cannot be used (before anything is solved where possible) and
@@ -34,16 +35,15 @@ def form(path: str, output: str, *, overwrite: bool, quiet: bool, as_json: bool)
     case = parse(source)
     check_folder(output, overwrite=overwrite)
     if case.press.ends is not None:
-        return form_gridshell(source, case, output, overwrite=overwrite, quiet=quiet, as_json=as_json)
-    with Talk(quiet=quiet) as talk:
+        return form_gridshell(source, case, output, overwrite=overwrite, voice=voice, as_json=as_json)
+    with Talk(voice) as talk:
         try:
             done = run(case, observe=talk)
         except InputError as error:
             raise source.placed(error) from None
+        talk.begin(WRITING)
         folder = write_run(done, output, overwrite=overwrite, extras=(write_report,))
-    if not quiet:
-        for note in all_notes(done):
-            say(f"note: {note}")
+    notes(all_notes(done), voice)
     print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else summary(done, folder))
     if not done.formed.outcome.usable:
         say(f"error: {done.formed.outcome.value}")

@@ -11,6 +11,7 @@ import numpy as np
 from punchform.cli.exits import Exit
 from punchform.cli.pictures import picture_file
 from punchform.cli.talk import say
+from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.wire.material_plot import plot_material
 from punchform.wire.materials import Material, material, materials
@@ -22,7 +23,7 @@ _HEADS = ("material", "E", "nu", "density", "yield", "tensile", "necks at", "law
 _UNITS = ("", "GPa", "", "kg/m^3", "MPa", "MPa", "strain", "")
 
 
-def list_materials(*, as_json: bool) -> Exit:
+def list_materials(*, as_json: bool, voice: Voice) -> Exit:
     """Print the table of all materials."""
     known = materials()
     if as_json:
@@ -36,28 +37,30 @@ def list_materials(*, as_json: bool) -> Exit:
             *(cell.rjust(width) for cell, width in zip(row[1:-1], widths[1:], strict=False)),
         ]
         print("  ".join((*cells, row[-1])).rstrip())
-    say('`punchform materials NAME` tells where the numbers come from; in a case file: material = "NAME"')
+    if voice is not Voice.QUIET:
+        say('`punchform materials NAME` tells where the numbers come from; in a case file: material = "NAME"')
     return Exit.DONE
 
 
-def show_material(name: str, *, as_json: bool, plot: str | None) -> Exit:
+def show_material(name: str, *, as_json: bool, plot: str | None, voice: Voice) -> Exit:
     """Print the numbers of one material, their source and its flow curve, and draw that. Raises InputError."""
     one = material(name)
     image = None if plot is None else picture_file(plot, "such as -o curve.png")
     print(json.dumps(_json_ready(one), indent=2, allow_nan=False) if as_json else _text(one))
     if image is not None:
         plot_material(one, image)
-        say(f"drew {image}")
+        if voice is not Voice.QUIET:
+            say(f"drew {image}")
     return Exit.DONE
 
 
-def materials_command(name: str | None, *, as_json: bool, plot: str | None) -> Exit:
+def materials_command(name: str | None, *, as_json: bool, plot: str | None, voice: Voice) -> Exit:
     """All materials, or the one that is named. Raises InputError for an unknown name and a picture of all."""
     if name is not None:
-        return show_material(name, as_json=as_json, plot=plot)
+        return show_material(name, as_json=as_json, plot=plot, voice=voice)
     if plot is not None:
         raise InputError.of("a picture is of one material", where=plot, hint="punchform materials NAME -o FILE.png")
-    return list_materials(as_json=as_json)
+    return list_materials(as_json=as_json, voice=voice)
 
 
 def _row(one: Material) -> tuple[str, ...]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,12 +10,14 @@ from typing import TYPE_CHECKING
 from punchform.case import parse, read_text
 from punchform.cli.exits import Exit
 from punchform.cli.sweeping import Means, workers_of
-from punchform.cli.talk import Talk, say
+from punchform.cli.talk import Talk, notes, say
 from punchform.errors import InputError
+from punchform.progress import Progress
 
 if TYPE_CHECKING:
     from punchform.optimise.asking import Answer, Ask
     from punchform.optimise.evaluations import Record
+    from punchform.optimise.pools import Workers
     from punchform.optimise.problem import Question
     from punchform.optimise.search import Found
     from punchform.optimise.slopes import Slopes
@@ -27,11 +28,9 @@ def optimise_case(path: str, output: str, *, means: Means, overwrite: bool, as_j
 
     Raises InputError for a case or a folder that cannot be used, NoEquilibrium when no design has figures.
     """
-    from punchform.optimise.evaluations import Record
     from punchform.optimise.problem import question_of
-    from punchform.optimise.search import search, way_of
+    from punchform.optimise.search import way_of
     from punchform.optimise.search_folder import RECORD, open_folder, write_found
-    from punchform.optimise.slopes import is_slopes
     from punchform.report.search import write_search_report
 
     source = read_text(path)
@@ -42,45 +41,72 @@ def optimise_case(path: str, output: str, *, means: Means, overwrite: bool, as_j
         way, why = way_of(question)
     except InputError as error:
         raise source.placed(error) from None
-    folder = open_folder(output, case, overwrite=overwrite)
-    with Record(folder / RECORD) as record:
-        try:
-            with Talk(quiet=means.quiet) as talk, _evaluates(question, record, means, way) as (ask, slopes):
-                if not means.quiet:
-                    say(f"note: method {way}: {why}")
-                    if way == "gradient" and (means.workers or means.scheduler):
-                        say("note: downhill goes one design after the other, here: other workers have nothing to do")
-                found = search(question, ask, slopes=slopes, observe=_Progress(question, talk))
-        except KeyboardInterrupt:
-            kept = sum(not is_slopes(one) for one in record)
-            say(f"note: {kept} evaluations are kept; the same command goes on from there")
-            raise
+    with _crew(means, way) as workers:
+        folder = open_folder(output, case, overwrite=overwrite)
+        found = _found(question, folder / RECORD, workers, means, f"method {way}: {why}")
     text = write_found(folder, found)
     write_search_report(found, case, folder)
     print(text.rstrip() if as_json else summary(found, folder))
     return Exit.DONE if found.best.allowed else Exit.OUT_OF_TOLERANCE
 
 
+def _found(question: Question, path: Path, workers: Workers | None, means: Means, how: str) -> Found:
+    """What the search finds; its record says how much is done when it is interrupted. workers: None downhill."""
+    from punchform.optimise.evaluations import Record, recorded
+    from punchform.optimise.search import search
+    from punchform.optimise.slopes import is_slopes
+
+    try:
+        with (
+            Record(path) as record,
+            Talk(means.voice, at_once=1 if workers is None else workers.count) as talk,
+            _evaluates(question, record, workers) as (ask, slopes),
+        ):
+            notes([how], means.voice)
+            if workers is None and (means.workers or means.scheduler):
+                idle = "downhill goes one design after the other, here: other workers have nothing to do"
+                notes([idle], means.voice)
+            known = {evaluation.key for evaluation in record}
+            return search(question, ask, slopes=slopes, observe=_Telling(question, talk, known))
+    except KeyboardInterrupt:
+        kept = sum(not is_slopes(one) for one in recorded(path))
+        say(f"note: {kept} designs are done")
+        raise
+
+
 @contextmanager
-def _evaluates(question: Question, record: Record, means: Means, way: str) -> Iterator[tuple[Ask, Slopes | None]]:
+def _crew(means: Means, way: str) -> Iterator[Workers | None]:
+    """Who evaluates designs: the workers that are asked for; None where a search goes downhill, in this process."""
+    if way == "gradient":
+        yield None
+        return
+    with workers_of(means) as workers:
+        yield workers
+
+
+@contextmanager
+def _evaluates(question: Question, record: Record, workers: Workers | None) -> Iterator[tuple[Ask, Slopes | None]]:
     """What evaluates designs: going downhill one after the other here, with tangents; else the workers."""
     from punchform.optimise.asking import evaluator
     from punchform.optimise.slopes import Kept
 
-    if way == "gradient":
+    if workers is None:
         kept = Kept(question, record)
         yield kept.ask, kept.slopes
         return
-    with workers_of(means) as workers, evaluator(question.case, record, workers) as ask:
+    with evaluator(question.case, record, workers) as ask:
         yield ask, None
 
 
-class _Progress:
-    """How far a search has come, in the progress line of a terminal."""
+class _Telling:
+    """Tells how far a search has come; known: keys of the designs that an earlier search has evaluated."""
 
-    def __init__(self, question: Question, talk: Talk) -> None:
+    def __init__(self, question: Question, talk: Talk, known: Collection[str]) -> None:
         self._question = question
         self._talk = talk
+        self._known = known
+        self._at_no_cost = 0
+        talk(self._far(0))
         self._best: float | None = None
 
     def __call__(self, answer: Answer) -> None:
@@ -89,9 +115,12 @@ class _Progress:
         value = answer.told.get(objective.figure)
         if answer.allowed and value is not None and (self._best is None or objective.sign * (value - self._best) < 0):
             self._best = value
-        if sys.stderr.isatty():
-            words = f"design {answer.number} of at most {self._question.asked.evaluations}"
-            self._talk.show(words if self._best is None else f"{words}, best {objective.figure} {self._best:.4g}")
+        self._at_no_cost += answer.evaluation.key in self._known
+        self._talk(self._far(answer.number), known=self._at_no_cost)
+        self._talk.show("" if self._best is None else f"best {objective.figure} {self._best:.4g}")
+
+    def _far(self, done: int) -> Progress:
+        return Progress("designs", done=done, total=self._question.asked.evaluations, limit=True)
 
 
 def summary(found: Found, folder: Path) -> str:

@@ -11,7 +11,8 @@ from punchform import __version__
 from punchform.case import Case, parse, read_text, write_case
 from punchform.case.parts import Quantity
 from punchform.cli.exits import Exit
-from punchform.cli.talk import say
+from punchform.cli.talk import notes
+from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.export.punch_files import TOLERANCE, write_punch
 from punchform.export.result import RESULT_SCHEMA
@@ -22,6 +23,8 @@ from punchform.units import LENGTH, UnitError
 
 EDGE = 1.1
 """How far the files reach when nothing is said, in radii of the rim."""
+MOST_POINTS = 4_000_000
+"""Points of a height field: a file of some hundred megabytes."""
 SIZE = Quantity(LENGTH, above=0.0, least=1e-6, most=1e9)
 
 
@@ -30,7 +33,7 @@ def punch_case(
     output: str,
     *,
     overwrite: bool,
-    quiet: bool,
+    voice: Voice,
     as_json: bool,
     radius: str | None = None,
     step: str | None = None,
@@ -49,6 +52,12 @@ def punch_case(
     except InputError as error:
         raise source.placed(error) from None
     out = EDGE * ready.punch.rim_radius if out is None else out
+    if every is not None and (2 * out / every) ** 2 > MOST_POINTS:
+        raise InputError.of(
+            f"the height field would have more than {MOST_POINTS} points",
+            where=f"--step {step}",
+            hint=f"take {2 * out / MOST_POINTS**0.5:.1g} mm or more, or a smaller --radius",
+        )
     told = _told(ready.punch, out)
 
     def write(folder: Path) -> None:
@@ -66,9 +75,7 @@ def punch_case(
         (folder / RESULT).write_text(text, encoding="utf-8", newline="\n")
 
     folder = write_folder(output, write, overwrite=overwrite)
-    if not quiet:
-        for doubt in ready.doubts:
-            say(f"note: {doubt.where}: {doubt.message}")
+    notes((f"{doubt.where}: {doubt.message}" for doubt in ready.doubts), voice)
     print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else _summary(case, told, folder))
     return Exit.DONE
 

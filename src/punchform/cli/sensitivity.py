@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from punchform.case import Case, number, parse, read_text, write_case
@@ -10,12 +11,14 @@ from punchform.case.parts import Quantity
 from punchform.cli.exits import Exit
 from punchform.cli.sweeping import Means, workers_of
 from punchform.cli.talk import Talk, say
+from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.export.result import plain
 from punchform.optimise.figures import figure
-from punchform.optimise.looks import shared
+from punchform.optimise.looks import Many, Seen, shared
 from punchform.optimise.sensitivity import sensitivities
 from punchform.optimise.tolerance_table import Table, csv, result, table
+from punchform.progress import Observer, Progress
 from punchform.report.sensitivity import lines, words, write_sensitivity_report
 from punchform.run import run
 from punchform.store import CASE, RESULT, check_folder, write_folder
@@ -33,7 +36,7 @@ def sensitivity(
     allowed: str | None,
     workers: int | None,
     overwrite: bool,
-    quiet: bool,
+    voice: Voice,
     as_json: bool,
 ) -> Exit:
     """Run a case, find what its figures depend on, print the table, and write the folder when one is named.
@@ -52,9 +55,9 @@ def sensitivity(
         number(case, place)
     if case.target is not None and keep is None:
         keep = case.target.tolerance
-    with workers_of(Means(workers, None, quiet)) as crew, Talk(quiet=quiet) as talk:
+    with workers_of(Means(workers, None, voice)) as crew, Talk(voice, at_once=crew.count) as talk:
         try:
-            found = sensitivities(run(case, observe=talk), vary or None, names=names, many=shared(crew))
+            found = sensitivities(run(case, observe=talk), vary or None, names=names, many=counted(shared(crew), talk))
         except InputError as error:
             raise source.placed(error) from None
     tables = tuple(table(found, name, keep) for name in names)
@@ -71,8 +74,21 @@ def sensitivity(
             write_sensitivity_report(tables, folder)
 
         folder = write_folder(output, write, overwrite=overwrite)
-        say(f"report: {folder / 'report.html'}")
+        if voice is not Voice.QUIET:
+            say(f"report: {folder / 'report.html'}")
     return Exit.DONE
+
+
+def counted(many: Many, observe: Observer) -> Many:
+    """The same runs, telling how many of them are done."""
+
+    def counting(cases: Sequence[Case], names: Sequence[str]) -> Iterator[Seen | str]:
+        observe(Progress("runs", total=len(cases)))
+        for finished, one in enumerate(many(cases, names), start=1):
+            observe(Progress("runs", done=finished, total=len(cases)))
+            yield one
+
+    return counting
 
 
 def text(tables: tuple[Table, ...]) -> str:

@@ -8,25 +8,29 @@ import numpy as np
 
 from punchform.case import Case, CaseText, write_case
 from punchform.cli.exits import Exit
-from punchform.cli.talk import Talk
+from punchform.cli.talk import WRITING, Talk
+from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.export.result import largest
 from punchform.export.shell import shell_json, write_shell_tables
+from punchform.export.vtp import SHAPE
+from punchform.kept import keep
 from punchform.report.shell import write_shell_report
 from punchform.shell import Shell, form_shell
-from punchform.store import CASE, NODES, RESULT, SHAPE, WIRES, write_folder
+from punchform.store import CASE, KEPT, NODES, RESULT, WIRES, write_folder
 
 
-def form_gridshell(source: CaseText, case: Case, output: str, *, overwrite: bool, quiet: bool, as_json: bool) -> Exit:
+def form_gridshell(source: CaseText, case: Case, output: str, *, overwrite: bool, voice: Voice, as_json: bool) -> Exit:
     """Move the wire ends of a case to their points and write the run folder.
 
     Raises InputError for a case that makes no gridshell and NoEquilibrium when the solve ends without one.
     """
-    with Talk(quiet=quiet) as talk:
+    with Talk(voice) as talk:
         try:
             done = form_shell(case, observe=talk)
         except InputError as error:
             raise source.placed(error) from None
+        talk.begin(WRITING)
         folder = write_shell(done, output, overwrite=overwrite)
     print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else summary(done, folder))
     return Exit.DONE
@@ -35,13 +39,14 @@ def form_gridshell(source: CaseText, case: Case, output: str, *, overwrite: bool
 def write_shell(done: Shell, output: str | Path, *, overwrite: bool = False) -> Path:
     """Write the folder of a gridshell and return its path; see `write_folder` for what it raises.
 
-    case.toml, result.json, nodes.csv, wires.csv, shape.vtp, figures and report.html.
+    case.toml, result.json, nodes.csv, wires.csv, shape.vtp, run.npz, figures and report.html.
     """
 
     def write(folder: Path) -> None:
         (folder / CASE).write_text(write_case(done.case), encoding="utf-8", newline="\n")
         (folder / RESULT).write_text(shell_json(done), encoding="utf-8", newline="\n")
         write_shell_tables(done, nodes=folder / NODES, wires=folder / WIRES, shape=folder / SHAPE)
+        keep(done, folder / KEPT)
         write_shell_report(done, folder)
 
     return write_folder(output, write, overwrite=overwrite)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from punchform.case import Case, parse, read_text, unit
 from punchform.cli.exits import Exit
-from punchform.cli.sweeping import Means, check_designs, evaluated
-from punchform.cli.talk import say
+from punchform.cli.sweeping import Means, check_designs, evaluated, workers_of
+from punchform.cli.talk import notes
 from punchform.errors import InputError
 
 if TYPE_CHECKING:
@@ -48,11 +48,13 @@ def sweep_case(
     if format == "parquet":
         check_parquet()
     asked = request("sweep", case, tuple(over), samples=samples, seed=seed)
-    folder = open_folder(output, asked, case, overwrite=overwrite)
-    done = evaluated(case, designs, folder, asked, means, places=tuple(designs[0]), parquet=format == "parquet")
+    places, parquet = tuple(designs[0]), format == "parquet"
+    with workers_of(means) as workers:
+        folder = open_folder(output, asked, case, overwrite=overwrite)
+        done = evaluated(case, designs, folder, asked, workers, means.voice, places=places, parquet=parquet)
     failed = [evaluation for evaluation in done if evaluation.failed]
-    if failed and not means.quiet:
-        say(f"note: {len(failed)} of {len(done)} designs failed, the first of them: {failed[0].failure}")
+    if failed:
+        notes([f"{len(failed)} of {len(done)} designs failed, the first of them: {failed[0].failure}"], means.voice)
     print((folder / SWEEP).read_text("utf-8").rstrip() if as_json else summary(case, done, folder))
     return Exit.NO_EQUILIBRIUM if len(failed) == len(done) else Exit.DONE
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -11,7 +10,9 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from punchform.case import Case, varied
+from punchform.cli.remaining import Remaining, left
 from punchform.cli.talk import Talk, say
+from punchform.cli.voice import Voice
 from punchform.errors import InputError
 from punchform.progress import Progress
 
@@ -30,7 +31,7 @@ class Means:
 
     workers: int | None
     scheduler: str | None
-    quiet: bool
+    voice: Voice
 
 
 @contextmanager
@@ -72,13 +73,34 @@ def evaluated(
     designs: Sequence[Mapping[str, Any]],
     folder: Path,
     asked: Request,
-    means: Means,
+    workers: Workers,
+    voice: Voice,
     *,
     places: Sequence[str],
     parquet: bool,
 ) -> tuple[Evaluation, ...]:
     """Every distinct design, in order, with its table in the folder; what its record holds already is not computed
     again; places: the settings that have columns. Ctrl-C leaves a folder from which the same command goes on."""
+    from punchform.optimise.evaluations import recorded
+    from punchform.optimise.sweep_folder import RECORD
+
+    try:
+        return _evaluated(case, designs, folder, asked, workers, voice, places, parquet)
+    except KeyboardInterrupt:
+        say(f"note: {len(recorded(folder / RECORD))} of {len(designs)} designs are done")
+        raise
+
+
+def _evaluated(
+    case: Case,
+    designs: Sequence[Mapping[str, Any]],
+    folder: Path,
+    asked: Request,
+    workers: Workers,
+    voice: Voice,
+    places: Sequence[str],
+    parquet: bool,
+) -> tuple[Evaluation, ...]:
     from punchform.optimise.evaluations import Record
     from punchform.optimise.sweep import sweep
     from punchform.optimise.sweep_folder import RECORD, write_state
@@ -88,16 +110,12 @@ def evaluated(
     done: dict[str, Evaluation] = {}
     with Record(folder / RECORD) as record, GrowingTable(folder / TABLE, case, places, record) as table:
         known = {evaluation.key for evaluation in record}
-        with _Remaining(len(designs), quiet=means.quiet) as remaining, workers_of(means) as workers:
-            try:
-                for evaluation in sweep(case, designs, executor=workers, record=record, keys=keys):
-                    done[evaluation.key] = evaluation
-                    if evaluation.key not in known:
-                        table.add(evaluation)
-                    remaining.tell(len(done), failed=evaluation.failed, known=evaluation.key in known)
-            except KeyboardInterrupt:
-                say(f"note: {len(record)} of {len(designs)} designs are kept; the same command goes on from there")
-                raise
+        with _Telling(len(designs), workers.count, voice) as telling:
+            for evaluation in sweep(case, designs, executor=workers, record=record, keys=keys):
+                done[evaluation.key] = evaluation
+                if evaluation.key not in known:
+                    table.add(evaluation)
+                telling.tell(len(done), failed=evaluation.failed, known=evaluation.key in known)
         everything = tuple(done[key] for key in keys)
         table.ordered(everything)
         if parquet:
@@ -107,58 +125,45 @@ def evaluated(
     return everything
 
 
-class _Remaining:
-    """How far a sweep has come and how long it will take, on stderr."""
+class _Telling:
+    """Tells how far a sweep has come and how long it will take, on stderr."""
 
-    def __init__(self, count: int, *, quiet: bool) -> None:
-        self._talk = Talk(quiet=quiet)
+    def __init__(self, count: int, at_once: int, voice: Voice) -> None:
+        self._talk = Talk(voice, at_once=at_once)
+        self._remaining = Remaining(at_once=at_once)
         self._count = count
-        self._begun = self._told = perf_counter()
+        self._told = perf_counter()
         self._failed = self._known = 0
 
-    def __enter__(self) -> _Remaining:
+    def __enter__(self) -> _Telling:
         self._talk.__enter__()
+        self._remaining.tell(0, self._count)
+        self._talk(Progress("designs", total=self._count))
         return self
 
     def __exit__(self, *error: Any) -> None:
         self._talk.__exit__(*error)
 
     def tell(self, done: int, *, failed: bool, known: bool) -> None:
-        """Say how far it is: in the progress line of a terminal, elsewhere in a line now and then."""
+        """Say how far it is: in the bar of a terminal, elsewhere in a line now and then."""
         self._failed += failed
         self._known += known
+        self._remaining.tell(done, self._count, known=self._known)
+        self._talk(Progress("designs", done=done, total=self._count), known=self._known)
+        self._talk.show(f"{self._failed} failed" if self._failed else "")
         now = perf_counter()
-        words = progress(done, self._count, self._known, self._failed, now - self._begun)
-        if sys.stderr.isatty():
-            self._talk.show(words)
-        elif now - self._told >= EVERY or done == self._count:
+        if done == self._count or (not self._talk.has_bars and now - self._told >= EVERY):
             self._told = now
-            self._talk(Progress("sweep", message=words))
+            self._talk(Progress("sweep", message=progress(done, self._count, self._failed, self._remaining.seconds)))
 
 
-def progress(done: int, count: int, known: int, failed: int, seconds: float) -> str:
-    """How far it is, in words; the remaining time is judged by what was computed now.
+def progress(done: int, count: int, failed: int, seconds: float | None) -> str:
+    """How far it is, in words; seconds: what is left, None where that is not known.
 
-    >>> progress(30, 100, 10, 1, 40.0)
-    '30 of 100 designs, 1 failed, about 2 min 20 s left'
+    >>> progress(30, 100, 1, 140.0), progress(100, 100, 0, 0.0)
+    ('30 of 100 designs, 1 failed, about 2 min 20 s left', '100 of 100 designs')
     """
     words = f"{done} of {count} designs"
     if failed:
         words += f", {failed} failed"
-    if done < count and done > known:
-        words += f", about {duration(seconds / (done - known) * (count - done))} left"
-    return words
-
-
-def duration(seconds: float) -> str:
-    """A time as a person says it.
-
-    >>> duration(4.2), duration(140), duration(7260)
-    ('5 s', '2 min 20 s', '2 h 1 min')
-    """
-    whole = -int(-seconds // 1)
-    if whole < 60:
-        return f"{whole} s"
-    if whole < 3600:
-        return f"{whole // 60} min {whole % 60} s"
-    return f"{whole // 3600} h {whole % 3600 // 60} min"
+    return words + (left(seconds) if done < count else "")

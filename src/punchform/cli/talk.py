@@ -1,20 +1,33 @@
-"""Talk and progress on stderr: coloured on a terminal, plain lines elsewhere, nothing when quiet."""
+"""Talk and progress on stderr: coloured and with bars on a terminal, plain lines elsewhere, nothing when quiet."""
 
 from __future__ import annotations
 
+import os
 import sys
+from collections.abc import Iterable
+from time import perf_counter
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
+from punchform.cli.voice import Voice
+
 if TYPE_CHECKING:
+    from punchform.cli.bars import Bars
     from punchform.progress import Progress
 
+WRITING = "writing tables, figures and the report"
 _STYLES = {"error:": "bold red", "hint:": "bold cyan", "note:": "bold yellow"}
 
 
+def is_live() -> bool:
+    """Whether stderr is a terminal that understands more than plain lines."""
+    return sys.stderr.isatty() and os.environ.get("TERM", "") not in ("dumb", "unknown")
+
+
 def say(text: str) -> None:
-    """Write lines to stderr; on a terminal the leading word `error:`, `hint:` or `note:` is coloured."""
-    if not sys.stderr.isatty():
+    """Write lines to stderr; on a terminal the leading word `error:`, `hint:` or `note:` is coloured, unless the
+    environment has NO_COLOR."""
+    if not is_live() or os.environ.get("NO_COLOR"):
         print(text, file=sys.stderr, flush=True)
         return
     from rich.text import Text
@@ -25,43 +38,80 @@ def say(text: str) -> None:
     _console().print(coloured)
 
 
-class Talk:
-    """The observer of a run: a progress line on a terminal, the messages alone elsewhere.
+def notes(texts: Iterable[str], voice: Voice) -> None:
+    """Say every text as a note, unless quiet."""
+    if voice is not Voice.QUIET:
+        for text in texts:
+            say(f"note: {text}")
 
-    Use it as a context manager, so that the progress line is cleared however the run ends.
+
+class Talk:
+    """The observer of a run: bars on a terminal, the messages alone elsewhere; when verbose a line for every step.
+
+    Use it as a context manager, so that the bars are cleared however the run ends. at_once: how many of the things that
+    are counted are worked on at the same time.
     """
 
-    def __init__(self, *, quiet: bool) -> None:
-        self._quiet = quiet
-        self._line: Any = None
+    def __init__(self, voice: Voice, *, at_once: int = 1) -> None:
+        self._voice = voice
+        self._at_once = at_once
+        self._bars: Bars | None = None
+        self._begun = perf_counter()
 
     def __enter__(self) -> Self:
-        if not self._quiet and sys.stderr.isatty():
-            self._line = _console().status("starting")
-            self._line.start()
+        if self._voice is not Voice.QUIET and is_live():
+            from punchform.cli.bars import Bars
+
+            self._bars = Bars(_console(), at_once=self._at_once)
+            self._bars.start()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._line is not None:
-            self._line.stop()
+        if self._bars is not None:
+            self._bars.stop()
+            self._bars = None
 
-    def __call__(self, event: Progress) -> None:
-        """Show one event of the run."""
-        if self._quiet:
+    @property
+    def has_bars(self) -> bool:
+        """Whether somebody sees bars move."""
+        return self._bars is not None
+
+    def __call__(self, event: Progress, *, known: float = 0.0) -> None:
+        """Show one event of the run; `known` of what it says is done took no time."""
+        if self._voice is Voice.QUIET:
             return
-        if event.step < 0:
-            say(event.message)
-        else:
+        if event.total is not None and self._bars is not None:
+            self._bars.tell(event, known=known)
+        if event.step >= 0:
             self.show(progress_line(event))
+        elif event.message:
+            say(event.message)
+        if self._voice is Voice.VERBOSE:
+            self._say_all(event)
 
     def show(self, words: str) -> None:
-        """Put words into the progress line, where there is one."""
-        if self._line is not None:
-            from rich.text import Text
+        """Say below the bars what is being done, where there are bars."""
+        if self._bars is not None:
+            self._bars.words(words)
 
-            self._line.update(Text(words))
+    def begin(self, words: str) -> None:
+        """Say what is begun now, where there are bars; when verbose as a line."""
+        self.show(words)
+        if self._voice is Voice.VERBOSE:
+            say(f"{self._seconds}  {words}")
+
+    @property
+    def _seconds(self) -> str:
+        return f"{perf_counter() - self._begun:8.2f} s"
+
+    def _say_all(self, event: Progress) -> None:
+        """The lines that only verbose commands say."""
+        if event.step >= 0:
+            say(f"{self._seconds}  {progress_line(event)}")
+        if event.total is not None:
+            say(f"{self._seconds}  {event.stage}: {event.done:.3g} of {event.total:.6g} done")
 
 
 def progress_line(event: Progress) -> str:

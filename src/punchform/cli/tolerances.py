@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from punchform.case import Case, parse, read_text
 from punchform.cli.exits import Exit
-from punchform.cli.sweeping import Means, check_designs, evaluated
-from punchform.cli.talk import say
+from punchform.cli.sweeping import Means, check_designs, evaluated, workers_of
+from punchform.cli.talk import notes as say_notes
 from punchform.errors import InputError
 
 if TYPE_CHECKING:
@@ -49,17 +49,16 @@ def tolerances_of(
     if format == "parquet":
         check_parquet()
     asked = request("tolerances", case, samples=samples, seed=seed)
-    folder = open_folder(output, asked, case, overwrite=overwrite)
-    nominal = designed(case, {}).key
-    done = evaluated(case, [{}, *designs], folder, asked, means, parquet=format == "parquet", places=places(case))
+    nominal, varying, parquet = designed(case, {}).key, places(case), format == "parquet"
+    with workers_of(means) as workers:
+        folder = open_folder(output, asked, case, overwrite=overwrite)
+        done = evaluated(case, [{}, *designs], folder, asked, workers, means.voice, places=varying, parquet=parquet)
     found = tolerances(case, done[0], done[1:])
     assert done[0].key == nominal
     text = tolerances_json(case, found, samples=samples, seed=seed)
     replace_file(folder / RESULT, text)
     write_tolerances_report(case, found, folder)
-    if not means.quiet:
-        for note in notes(found, case):
-            say(f"note: {note}")
+    say_notes(notes(found, case), means.voice)
     print(text.rstrip() if as_json else summary(case, found, folder))
     return Exit.DONE
 

@@ -47,11 +47,12 @@ def write_punch(
     texts = {PROFILE: profile_csv(sections), FIELD: field_csv(surface, radius=radius, step=step)}
     if isinstance(surface, Corrected):
         texts[CORRECTION] = correction_csv(surface)
-    texts[DRAWING] = drawing({_layer(surface, degrees): line for degrees, line in sections.items()})
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8", newline="\n")
+    lines = {_layer(surface, degrees): line for degrees, line in sections.items()}
+    (folder / DRAWING).write_bytes(drawing(lines))
     (folder / SOLID).write_bytes(stl(punch_mesh(surface, radius=radius, plate=plate, tolerance=tolerance)))
-    return tuple(folder / name for name in (*texts, SOLID))
+    return tuple(folder / name for name in (*texts, DRAWING, SOLID))
 
 
 def profile_csv(sections: dict[float, Floats]) -> str:

@@ -165,6 +165,7 @@ def shape_result(stage: Shaped) -> dict[str, object]:
         "max_shear_deg": math.degrees(stage.max_shear),
         "max_axial_strain": stage.max_axial_strain,
         "energy_kinds_mJ": stage.energy_kinds,
+        "axial_force": {"min_N": stage.whole.F[:, 0].min(), "max_N": stage.whole.F[:, 0].max()},
         "max_stress_MPa": largest(stage.whole.stress),
         "max_stress_ratio": largest(stage.whole.stress_ratio),
         **_plastic(stage),
@@ -196,14 +197,9 @@ def stage_result(stage: Solved) -> dict[str, object]:
         "steps": stage.steps,
         "factorisations": stage.factorisations,
         "negative_eigenvalues": stage.negative_eigenvalues,
-        "max_shear_deg": math.degrees(stage.max_shear),
-        "max_axial_strain": stage.max_axial_strain,
+        **shape_result(stage),
         "seconds": stage.seconds,
-        "energy_kinds_mJ": stage.energy_kinds,
         "linear_solver": stage.linear_solver,
-        "max_stress_MPa": largest(stage.whole.stress),
-        "max_stress_ratio": largest(stage.whole.stress_ratio),
-        **_plastic(stage),
         "history": [
             {
                 "number": step.number,

@@ -10,7 +10,7 @@ import numpy as np
 from punchform.arrays import Floats, Ints
 
 if TYPE_CHECKING:
-    from punchform.solved import Solved
+    from punchform.solved import Shaped, Solved
 
 NODE_COLUMNS = ("i", "j", "x0", "y0", "x", "y", "z", "xr", "yr", "zr", "contact_force")
 WIRE_COLUMNS = (
@@ -37,10 +37,10 @@ def nodes_csv(formed: Solved, released: Floats | None = None) -> str:
     order = np.lexsort((whole.index[:, 1], whole.index[:, 0]))
     order = order[whole.between[order] == 0]
     values = np.column_stack((whole.flat[:, :2], whole.positions, after, whole.contact))
-    return _csv(NODE_COLUMNS, whole.index[order], values[order])
+    return rows_csv(NODE_COLUMNS, whole.index[order], values[order])
 
 
-def wires_csv(stage: Solved) -> str:
+def wires_csv(stage: Shaped) -> str:
     """The text of wires.csv (formed) or wires_released.csv: one row per element, sorted by family and by the indices
     (i, j) of its end O; of a wire cut between crossings one row per piece, from O outwards, all with its (i, j).
 
@@ -58,7 +58,7 @@ def wires_csv(stage: Solved) -> str:
     if stage.hardening is not None:
         columns += PLASTIC_COLUMNS
         values = np.column_stack((values, whole.stretch, whole.plastic_strain))
-    return _csv(columns, labels[order], values[order])
+    return rows_csv(columns, labels[order], values[order])
 
 
 def write_nodes(path: Path, formed: Solved, released: Floats | None = None) -> None:
@@ -66,12 +66,12 @@ def write_nodes(path: Path, formed: Solved, released: Floats | None = None) -> N
     path.write_text(nodes_csv(formed, released), encoding="utf-8", newline="\n")
 
 
-def write_wires(path: Path, stage: Solved) -> None:
+def write_wires(path: Path, stage: Shaped) -> None:
     """Write the wires of a stage; see `wires_csv`. Raises OSError."""
     path.write_text(wires_csv(stage), encoding="utf-8", newline="\n")
 
 
-def _csv(columns: tuple[str, ...], labels: Ints, values: Floats) -> str:
+def rows_csv(columns: tuple[str, ...], labels: Ints, values: Floats) -> str:
     """Rows of integer labels (n, a) followed by numbers (n, b); a NaN becomes an empty cell.
 
     Fifteen digits keep every position to 1e-12 mm. One format string over many rows is several times faster

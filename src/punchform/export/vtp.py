@@ -1,30 +1,38 @@
 """shape.vtp: the formed wires as VTK XML PolyData, for ParaView and everything else that reads VTK.
 
-The file holds the wire elements as lines on the formed positions. Arrays are inline base64 (format "binary"),
-the one encoding that is both valid XML and read by every VTK since version 5.
+The file holds the wire elements as lines on the formed positions.
 """
 
 from __future__ import annotations
 
-import base64
-import struct
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
-from numpy.typing import NDArray
 
 from punchform.accuracy import MEASURES, Accuracy, Aligned
 from punchform.arrays import Floats, Ints
-from punchform.export.told import spread
+from punchform.export.heading import heading
+from punchform.export.told import released_on, spread
+from punchform.export.vtk_xml import Array, section, vtk_file
+from punchform.whole import places_in
 
 if TYPE_CHECKING:
+    from punchform.run import Run
     from punchform.solved import Solved
 
-Array = NDArray[np.float64] | NDArray[np.int64]
-_TYPES = {"float64": "Float64", "int64": "Int64"}
+SHAPE = "shape.vtp"
+
+
+def vtp_files(run: Run, folder: Path) -> tuple[Path, ...]:
+    """Write shape.vtp: wires formed, released and judged, with all nodes of the pressed grid. Raises OSError."""
+    whole = run.formed.whole
+    judged = None if run.case.stages is None else places_in(run.final.whole.flat, whole.flat)
+    path = folder / SHAPE
+    head = heading(run, "the wires, formed; where they are after a release is in their data")
+    write_vtp(path, run.formed, released_on(run, whole), run.accuracy, judged, head=head)
+    return (path,)
 
 
 def write_vtp(
@@ -33,6 +41,8 @@ def write_vtp(
     released: Floats | None = None,
     accuracy: Accuracy | None = None,
     judged: Ints | None = None,
+    *,
+    head: Sequence[str] = (),
 ) -> None:
     """Write the formed grid, and with `released` (N, 3) [mm] also where its nodes are after the release.
 
@@ -42,7 +52,7 @@ def write_vtp(
     outside the aperture; lengths in mm. Cell data per element: family, axial_force F1 [N], axial_strain, energy [mJ];
     of wires that yield also stretch and plastic_strain.
     judged (N,): which of the nodes that the accuracy is told of each one is, -1 for none, when they are not the same.
-    Raises OSError.
+    head: lines of text that the file carries. Raises OSError.
     """
     whole = formed.whole
     points: dict[str, Array] = {
@@ -57,11 +67,8 @@ def write_vtp(
     if released is not None:
         points |= {"released": released, "springback": released - whole.positions}
     if accuracy is not None:
-        found = judging(accuracy).deviations
-        shown = {measure: found.of(measure) for measure in MEASURES}
-        if judged is not None:
-            shown = {measure: spread(values, judged) for measure, values in shown.items()}
-        points |= {f"deviation_{measure.replace('-', '_')}": values for measure, values in shown.items()}
+        shown = deviation_data(accuracy)
+        points |= shown if judged is None else {name: spread(values, judged) for name, values in shown.items()}
     wires: dict[str, Array] = {
         "family": whole.family,
         "axial_force": whole.F[:, 0],
@@ -71,7 +78,13 @@ def write_vtp(
     if formed.hardening is not None:
         wires |= {"stretch": whole.stretch, "plastic_strain": whole.plastic_strain}
     lines = np.column_stack((whole.start, whole.end))
-    path.write_text(poly_lines(whole.positions, lines, points, wires), encoding="ascii", newline="\n")
+    path.write_text(poly_lines(whole.positions, lines, points, wires, head), encoding="ascii", newline="\n")
+
+
+def deviation_data(accuracy: Accuracy) -> dict[str, Floats]:
+    """The deviations (N,) [mm] in the alignment that is judged, by the names that they have in files."""
+    found = judging(accuracy).deviations
+    return {f"deviation_{measure.replace('-', '_')}": found.of(measure) for measure in MEASURES}
 
 
 def judging(accuracy: Accuracy) -> Aligned:
@@ -87,41 +100,28 @@ def node_shear(nodes: int, cells: Ints, cell_shear: Floats) -> Floats:
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
-def poly_lines(positions: Floats, lines: Ints, point_data: Mapping[str, Array], cell_data: Mapping[str, Array]) -> str:
+def poly_lines(
+    positions: Floats,
+    lines: Ints,
+    point_data: Mapping[str, Array],
+    cell_data: Mapping[str, Array],
+    head: Sequence[str] = (),
+) -> str:
     """The text of a VTK XML PolyData file with one two-point line per row of `lines` (M, 2) of node numbers.
 
-    Parameters: positions (N, 3); named arrays (N,) or (N, 3) on the points and (M,) or (M, 3) on the lines.
+    Parameters: positions (N, 3); named arrays (N,) or (N, 3) on the points and (M,) or (M, 3) on the lines;
+    head: lines of text that the file carries.
     """
     ends = np.arange(2, 2 * len(lines) + 1, 2)
-    return "\n".join(
+    others = 'NumberOfVerts="0" NumberOfStrips="0" NumberOfPolys="0"'
+    return vtk_file(
+        "PolyData",
+        f'NumberOfPoints="{len(positions)}" NumberOfLines="{len(lines)}" {others}',
         (
-            '<?xml version="1.0"?>',
-            '<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
-            "<PolyData>",
-            f'<Piece NumberOfPoints="{len(positions)}" NumberOfVerts="0" NumberOfLines="{len(lines)}"'
-            ' NumberOfStrips="0" NumberOfPolys="0">',
-            _section("PointData", point_data),
-            _section("CellData", cell_data),
-            _section("Points", {"Points": positions}),
-            _section("Lines", {"connectivity": lines.ravel(), "offsets": ends}),
-            "</Piece>",
-            "</PolyData>",
-            "</VTKFile>",
-            "",
-        )
-    )
-
-
-def _section(tag: str, arrays: Mapping[str, Array]) -> str:
-    return "\n".join((f"<{tag}>", *(_array(name, values) for name, values in arrays.items()), f"</{tag}>"))
-
-
-def _array(name: str, values: Array) -> str:
-    """One DataArray: the byte count as UInt64, then the little-endian numbers, in one base64 run."""
-    numbers = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<")).tobytes()
-    parts = values.shape[1] if values.ndim == 2 else 1
-    text = base64.b64encode(struct.pack("<Q", len(numbers)) + numbers).decode("ascii")
-    return (
-        f'<DataArray type="{_TYPES[values.dtype.name]}" Name={quoteattr(name)}'
-        f' NumberOfComponents="{parts}" format="binary">{text}</DataArray>'
+            section("PointData", point_data),
+            section("CellData", cell_data),
+            section("Points", {"Points": positions}),
+            section("Lines", {"connectivity": lines.ravel(), "offsets": ends}),
+        ),
+        head,
     )

@@ -208,7 +208,15 @@ class _Search:
         self.solves.append(solve)
         told = f"{solve.misfit.rms:.4g} mm rms" if solve.misfit is not None else f"failed, {solve.failure}"
         at_most = f"solve {solve.number} of at most {max(self._limits.solves, solve.number)}"
-        self._observe(Progress("compensate", message=f"{self._space.kind}, {at_most}: {told}"))
+        self._observe(
+            Progress(
+                "compensate",
+                message=f"{self._space.kind}, {at_most}: {told}",
+                done=solve.number,
+                total=max(self._limits.solves, solve.number),
+                limit=True,
+            )
+        )
         return solve
 
 

@@ -222,6 +222,12 @@ class Record:
             self._file.close()
 
 
+def recorded(path: Path) -> tuple[Evaluation, ...]:
+    """What a record that nobody writes holds on the disk. Raises InputError and OSError as `Record` does."""
+    with Record(path) as record:
+        return tuple(record)
+
+
 def _claim(file: TextIO, path: Path) -> None:
     """Keep other programs from writing the file for as long as it is open here."""
     if find_spec("fcntl") is None:

@@ -10,6 +10,7 @@ from punchform.accuracy import Judged
 from punchform.case import Case
 from punchform.errors import InputError, NoEquilibrium
 from punchform.mechanics.cores import at_most
+from punchform.optimise.evaluations import told
 from punchform.optimise.figures import FIGURES
 from punchform.optimise.pools import Workers, stop
 from punchform.optimise.sweep import LOST
@@ -66,11 +67,11 @@ def _on_one_core(case: Case, names: Sequence[str]) -> Seen | str:
 
 
 def looked_at(case: Case, names: Sequence[str]) -> Seen | str:
-    """What is read of the run of a case; the words of what goes wrong."""
+    """What is read of the run of a case; what goes wrong in one line."""
     try:
         return seen(run(case), names)
     except (InputError, NoEquilibrium) as error:
-        return str(error)
+        return told(error)
 
 
 def seen(done: Run, names: Sequence[str]) -> Seen:

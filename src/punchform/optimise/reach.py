@@ -102,7 +102,7 @@ def reach(
     columns = []
     for number in range(len(space.terms)):
         told = f"response of the shape {number + 1} of {len(space.terms)}"
-        observe(Progress("compensate", message=told))
+        observe(Progress("response", message=told, done=number, total=len(space.terms)))
         numbers = np.zeros(len(space.terms))
         numbers[number] = size
         try:

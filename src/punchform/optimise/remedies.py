@@ -47,7 +47,8 @@ def tried(case: Case, *, observe: Observer = silent) -> tuple[Remedy, ...]:
     """The remedies of a case with what each of them leaves, least first; those that failed come last."""
     found = []
     for number, remedy in enumerate(all_of := remedies_of(case), start=1):
-        observe(Progress("compensate", message=f"remedy {number} of {len(all_of)}"))
+        told = f"remedy {number} of {len(all_of)}"
+        observe(Progress("remedies", message=told, done=number - 1, total=len(all_of)))
         found.append(Remedy(remedy.name, remedy.changes, _rms(case, remedy)))
     return tuple(sorted(found, key=lambda one: (one.rms is None, one.rms)))
 

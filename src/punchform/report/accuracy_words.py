@@ -113,7 +113,7 @@ def _made_of(accuracy: Accuracy) -> str:
             break
         told.append(f"{percent(share) if share < 0.995 else 'all'} {_part_words(name, aligned)}")
         sum_of_shares += share
-    return f"Of its mean square, {_listed(told)}." if told else ""
+    return f"Of its mean square, {listed(told)}." if told else ""
 
 
 def _part_words(name: str, aligned: Aligned) -> str:
@@ -204,5 +204,6 @@ def _gone(accuracy: Accuracy) -> bool:
     return accuracy.judged.rms > GONE * abs(float(top - edge))
 
 
-def _listed(parts: list[str]) -> str:
+def listed(parts: list[str]) -> str:
+    """Words as a person lists them: one, two and three."""
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"

@@ -53,6 +53,7 @@ def _accuracy(run: Run) -> tuple[Section, ...]:
             warnings=accuracy.warnings,
             matrices=(_deviation_matrix(accuracy), _parameter_matrix(accuracy), *_parts_matrix(accuracy), *ruze),
             tables=(("How it was judged", _judging_rows(run, accuracy)), *_facet_rows(accuracy)),
+            short="Accuracy",
         ),
     )
 
@@ -193,6 +194,7 @@ def _released(run: Run) -> tuple[Section, ...]:
             warnings=released.notes,
             matrices=springback_tables(released),
             tables=(("Shape and holds", _shape_rows(run, released)), ("Wires and solve", _wire_rows(run, released))),
+            short="Release",
         ),
     )
 

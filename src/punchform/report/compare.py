@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from punchform.arrays import Floats
 from punchform.export.compare import COMPARISON, POINTS
+from punchform.report.figures.files import save
 from punchform.report.figures.gallery import Picture
 from punchform.report.figures.measured import (
     draw_call_outs,
@@ -19,8 +20,8 @@ from punchform.report.figures.measured import (
     draw_histogram,
     draw_prediction_map,
 )
-from punchform.report.figures.style import save
-from punchform.report.page import FIGURES, PAGE, Rows, render
+from punchform.report.page import FIGURES, PAGE, render
+from punchform.report.section import Rows
 from punchform.report.words import percent, size
 
 if TYPE_CHECKING:

@@ -19,10 +19,10 @@ from punchform.report.figures.compensation import (
     draw_reach,
     draw_sections,
 )
+from punchform.report.figures.files import save
 from punchform.report.figures.gallery import Picture
-from punchform.report.figures.style import save
-from punchform.report.page import FIGURES, PAGE, Rows, render
-from punchform.report.section import Images, Matrix, Section
+from punchform.report.page import FIGURES, PAGE, render
+from punchform.report.section import Images, Matrix, Rows, Section
 from punchform.report.words import size
 
 if TYPE_CHECKING:

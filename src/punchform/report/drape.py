@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -12,10 +12,13 @@ import numpy as np
 from punchform.case import Case
 from punchform.drape import Drape, Draped, placed
 from punchform.export.drape import LENGTHS, OUTLINE, reached_nodes
+from punchform.report.figures.conclusions import found
+from punchform.report.figures.files import save
 from punchform.report.figures.gallery import GALLERY, Picture
-from punchform.report.figures.style import save
-from punchform.report.page import FIGURES, PAGE, Rows, render
-from punchform.report.words import size
+from punchform.report.page import FIGURES, PAGE, render
+from punchform.report.section import Rows
+from punchform.report.viewer import pack, scene_of_net
+from punchform.report.words import drawn_in, size
 
 if TYPE_CHECKING:
     from punchform.run import Run
@@ -43,6 +46,7 @@ def write_drape_report(done: Drape, folder: Path) -> None:
         details_title="Effort",
         details=(("Seconds", tuple((part, f"{seconds:.3f}") for part, seconds in done.seconds.items())),),
         images=_draw(done, folder / FIGURES),
+        scenes=(pack(scene_of_net(done)),),
         notes=done.notes,
         beside=f"nodes.csv, {OUTLINE} and {LENGTHS} (tables), shape.vtp (for ParaView), result.json, case.toml",
     )
@@ -59,7 +63,8 @@ def _draw(done: Drape, folder: Path) -> tuple[tuple[Picture, Path], ...]:
     for picture in (picture for picture in GALLERY if picture.name in SHOWN):
         path = folder / f"{picture.name}.png"
         save(picture.draw(view), path)
-        drawn.append((picture, path))
+        words = drawn_in(done.draw_in) if picture.name == "sections" else found(picture.name, view)
+        drawn.append((replace(picture, found=words), path))
     return tuple(drawn)
 
 

@@ -13,9 +13,9 @@ from punchform.optimise.downhill import BOTTOM
 from punchform.optimise.problem import Question, unit_of
 from punchform.optimise.search import Found
 from punchform.optimise.search_folder import BEST, DESIGNS, FRONT, TABLE, front_name
+from punchform.report.figures.files import save
 from punchform.report.figures.picture import Picture
 from punchform.report.figures.search import draw_front, draw_search
-from punchform.report.figures.style import save
 from punchform.report.page import FIGURES, PAGE, render
 from punchform.report.section import Images, Matrix, Rows, Section
 from punchform.report.words import size

@@ -15,7 +15,8 @@ Images = tuple[tuple[Picture, Path], ...]
 @dataclass(frozen=True)
 class Matrix:
     """A table with several columns: its caption, the head of each column (the first is that of the row names), its
-    rows, of which those numbered in `marked` stand out, what to know of them, and whether it needs the whole width."""
+    rows, of which those numbered in `marked` stand out, what to know of them, whether it needs the whole width, and
+    whether its cells hold words, which may be broken into lines."""
 
     caption: str
     head: tuple[str, ...]
@@ -23,14 +24,17 @@ class Matrix:
     marked: tuple[int, ...] = ()
     note: str = ""
     wide: bool = False
+    words: bool = False
 
 
 @dataclass(frozen=True)
 class Section:
-    """One part of the page: its id, heading, what to beware of, tables of more and of two columns."""
+    """One part of the page: its id, heading, what to beware of, tables of more and of two columns, and a shorter name
+    for the list of parts."""
 
     name: str
     title: str
     warnings: tuple[str, ...] = ()
     matrices: tuple[Matrix, ...] = ()
     tables: Tables = ()
+    short: str = ""

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 
 from punchform.optimise.figures import FIGURES, in_its_tool
 from punchform.optimise.tolerance_table import Row, Table, shown, without_effect
+from punchform.report.figures.files import save
 from punchform.report.figures.picture import Picture
-from punchform.report.figures.style import save
 from punchform.report.figures.tornado import draw_tornado
 from punchform.report.page import FIGURES as FOLDER
 from punchform.report.page import PAGE, render

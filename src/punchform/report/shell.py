@@ -12,11 +12,14 @@ import numpy as np
 from punchform.case import Case
 from punchform.export.result import largest
 from punchform.gridshell import Gridshell
+from punchform.report.figures.conclusions import found
+from punchform.report.figures.files import save
 from punchform.report.figures.gallery import GALLERY, Picture
-from punchform.report.figures.style import save
 from punchform.report.figures.wires import draw_wires
-from punchform.report.page import FIGURES, PAGE, energy_rows, render, solve_rows, span
+from punchform.report.numbers import energy_rows, solve_rows, span
+from punchform.report.page import FIGURES, PAGE, render
 from punchform.report.section import Images, Rows
+from punchform.report.viewer import pack, scene_of_shell
 from punchform.report.words import energy, percent, place, size
 from punchform.shell import Shell
 
@@ -57,6 +60,7 @@ def write_shell_report(done: Shell, folder: Path) -> None:
         details_title="Energy and solve",
         details=(("Where the energy is", energy_rows(done.formed)), ("Solve", solve_rows(done.formed))),
         images=_draw(done, folder / FIGURES),
+        scenes=(pack(scene_of_shell(done)),),
         notes=done.formed.notes,
         beside="nodes.csv and wires.csv (tables), shape.vtp (for ParaView), result.json, case.toml",
     )
@@ -77,7 +81,7 @@ def _draw(done: Shell, folder: Path) -> Images:
     for picture in (SHAPE, *others):
         path = folder / f"{picture.name}.png"
         save(picture.draw(view), path)
-        drawn.append((picture, path))
+        drawn.append((replace(picture, found=found(picture.name, view)), path))
     return tuple(drawn)
 
 

@@ -11,8 +11,8 @@ from punchform.case import Case
 from punchform.case.scattering import Scattered, scattered
 from punchform.optimise.figures import in_its_tool
 from punchform.optimise.tolerances import CONFIDENCE, Tolerances
+from punchform.report.figures.files import save
 from punchform.report.figures.picture import Picture
-from punchform.report.figures.style import save
 from punchform.report.figures.tolerances import draw_histogram, draw_influences
 from punchform.report.page import FIGURES, PAGE, render
 from punchform.report.section import Images, Rows

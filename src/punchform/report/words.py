@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from punchform.arrays import Floats
+from punchform.export.result import largest
 from punchform.report.figures.shear import most_sheared
 
 if TYPE_CHECKING:
     from punchform.press import Formed
     from punchform.run import Run
+    from punchform.whole import Whole
 
 NO_BREAK_SPACE, THIN_SPACE = chr(0xA0), chr(0x202F)
 FAINT = 0.001
@@ -24,11 +26,31 @@ def verdict(run: Run) -> tuple[str, ...]:
     return (
         _ending(run.formed),
         _shear(run.formed),
-        _draw_in(run.formed),
+        drawn_in(run.formed.draw_in),
         *_holder(run.formed),
         _wires(run.formed),
         _yield(run),
         _contact(run.formed),
+    )
+
+
+def tiles(run: Run) -> tuple[tuple[str, str], ...]:
+    """The figures of a run that are asked for first, each with its name."""
+    formed, accuracy = run.formed, run.accuracy
+    judged: tuple[tuple[str, str], ...] = ()
+    if accuracy is not None:
+        limit = accuracy.judge.tolerance
+        judged = (
+            (f"rms deviation, {accuracy.judge.alignment}", size(accuracy.judged.rms, "mm", 3)),
+            ("tolerance", "none" if limit is None else size(limit, "mm", 3)),
+        )
+    stress = largest(formed.whole.stress)
+    return (
+        *judged,
+        ("largest shear", size(math.degrees(formed.max_shear), "°", 3)),
+        ("draw-in of the edge", size(formed.draw_in, "mm", 3)),
+        *((("largest stress", size(stress, "MPa", 3)),) if stress is not None else ()),
+        ("downward force of the punch", size(formed.push, "N", 3)),
     )
 
 
@@ -72,21 +94,32 @@ def _ending(formed: Formed) -> str:
     )
 
 
-def _shear(formed: Formed) -> str:
-    whole = formed.whole
-    if not len(whole.cells):
-        return "The grid has no closed cell, so there is no shear to report."
-    x, y, _ = whole.positions[whole.cells[most_sheared(whole)]].mean(axis=0)
+def where_sheared(whole: Whole) -> str:
+    """The largest shear of a grid with cells, and where it is."""
+    most = most_sheared(whole)
+    x, y, _ = whole.positions[whole.cells[most]].mean(axis=0)
     return (
-        f"The cells shear by up to {size(math.degrees(formed.max_shear), '°', 3)} "
-        f"(at x = {place(x)}, y = {place(y)}, {place(math.hypot(x, y))} from the axis)."
+        f"{size(math.degrees(abs(float(whole.cell_shear[most]))), '°', 3)} "
+        f"(at x = {place(x)}, y = {place(y)}, {place(math.hypot(x, y))} from the axis)"
     )
 
 
-def _draw_in(formed: Formed) -> str:
-    if formed.draw_in <= 1e-6:
+def radii(points: Floats) -> Floats:
+    """Distances (n,) [mm] of points (n, 3) from the axis."""
+    return np.hypot(points[:, 0], points[:, 1])
+
+
+def _shear(formed: Formed) -> str:
+    if not len(formed.whole.cells):
+        return "The grid has no closed cell, so there is no shear to report."
+    return f"The cells shear by up to {where_sheared(formed.whole)}."
+
+
+def drawn_in(length: float) -> str:
+    """How far the edge of the blank is drawn in [mm], as a sentence."""
+    if length <= 1e-6:
         return "The edge of the blank is not drawn in."
-    return f"The edge of the blank is drawn in by up to {size(formed.draw_in, 'mm', 3)}."
+    return f"The edge of the blank is drawn in by up to {size(length, 'mm', 3)}."
 
 
 def _holder(formed: Formed) -> tuple[str, ...]:
@@ -121,7 +154,7 @@ def _yield(run: Run) -> str:
     if not known.any():
         return "The stress in the wires is not known, because their stiffness was given as a matrix."
     worst = int(np.nanargmax(whole.stress))
-    where = place(float(_radius(whole.positions[whole.start])[worst]))
+    where = place(float(radii(whole.positions[whole.start])[worst]))
     most = f"The largest stress in a wire is {size(float(whole.stress[worst]), 'MPa', 3)}, {where} from the axis"
     if np.isnan(whole.stress_ratio[worst]):
         return f"{most}; whether it yields is not known without `wire.yield_strength`."
@@ -155,7 +188,7 @@ def _flowed(formed: Formed) -> str:
 
 
 def _contact(formed: Formed) -> str:
-    force, radius = formed.whole.contact, _radius(formed.whole.positions)
+    force, radius = formed.whole.contact, radii(formed.whole.positions)
     pushed, held = float(force[force > 0].sum()), -float(force[force < 0].sum())
     if held <= FAINT * pushed:
         return f"The punch pushes the grid with {size(pushed, 'N', 3)} in all; nothing has to hold it down."
@@ -167,7 +200,3 @@ def _contact(formed: Formed) -> str:
         f"an upper tool or the rim has to hold it down there with {size(held, 'N', 3)} in all, "
         f"nine tenths of it between {place(low)} and {place(high)} from the axis."
     )
-
-
-def _radius(points: Floats) -> Floats:
-    return np.hypot(points[:, 0], points[:, 1])

@@ -16,7 +16,7 @@ from punchform.report.figures.moves import draw_deflection, draw_mode, draw_sag
 from punchform.report.figures.picture import Picture
 from punchform.report.figures.sections import draw_overlay
 from punchform.report.figures.stress import draw_stress
-from punchform.report.words import percent, size
+from punchform.report.words import size
 
 if TYPE_CHECKING:
     from punchform.run import Run
@@ -29,20 +29,18 @@ def accuracy_pictures(run: Run) -> tuple[Picture, ...]:
         return ()
     judged = judging(accuracy)
     other = accuracy.fitted if judged is accuracy.as_held else accuracy.as_held
-    measure = accuracy.judge.measure
     pictures = [
         Picture(
             "deviation",
             f"Deviation, {judged.name} (judged)",
             f"Plan view of the {stage_words(run)} grid. {_colours(accuracy)} The full circle is the edge of the "
-            f"aperture; what is pale is not judged. {_within(accuracy, judged)}",
+            f"aperture; what is pale is not judged.",
             partial(draw_deviation, accuracy=accuracy, aligned=judged),
         ),
         Picture(
             "deviation_other",
             f"Deviation, {other.name}",
-            f"The same, {other.name}: {size(other.statistics[measure].rms, 'mm', 3)} rms are left. {_other(accuracy)} "
-            "Each map has its own scale.",
+            f"The same, {other.name}. {_other(accuracy)} Each map has its own scale.",
             partial(draw_deviation, accuracy=accuracy, aligned=other),
         ),
         Picture(
@@ -186,15 +184,6 @@ def _colours(accuracy: Accuracy) -> str:
     if accuracy.judge.tolerance is None:
         return signs
     return f"{signs} Green is within ±{size(accuracy.judge.tolerance, 'mm', 3)}."
-
-
-def _within(accuracy: Accuracy, aligned: Aligned) -> str:
-    if accuracy.judge.tolerance is None:
-        return ""
-    mask = accuracy.mask
-    inside = np.abs(aligned.deviations.of(accuracy.judge.measure)[mask]) <= accuracy.judge.tolerance
-    share = float(accuracy.weights[mask] @ inside) / float(accuracy.weights[mask].sum())
-    return f"{percent(share)} of the weighted area is green."
 
 
 def _other(accuracy: Accuracy) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
 from punchform.arrays import Floats
 from punchform.optimise.compensation import Ending
@@ -44,13 +44,15 @@ LINES: dict[Kind, tuple[str, str, str]] = {
 }
 """Colour, line and mark of each kind of surface."""
 POINTS = 161
+MANY_DECADES = 1000.0
+"""From this ratio of the largest to the smallest rms on, only powers of ten are named."""
 SECTIONS = (0.0, 22.5, 45.0)
 
 
 def draw_convergence(done: Compensated) -> Figure:
     """The rms of every solve on a logarithmic scale, the floors dotted, the tolerance as a line."""
     figure = new_figure(*HALF)
-    axes = figure.add_axes((0.14, 0.12, 0.83, 0.78))
+    axes = figure.add_axes((0.15, 0.135, 0.82, 0.77))
     most = 0
     for kind, found in all_found(done).items():
         ink, line, mark = LINES[kind]
@@ -76,6 +78,8 @@ def draw_convergence(done: Compensated) -> Figure:
     low, high = axes.get_ylim()
     axes.set_ylim(0.7 * low, 1.4 * high)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    low, high = axes.get_ylim()
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < MANY_DECADES * low else (1.0,)))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: ""))
     axes.grid(visible=True, which="both", axis="y", color=SOFT, alpha=0.18, linewidth=0.5)
@@ -108,7 +112,7 @@ def draw_correction(done: Compensated) -> Figure:
 def draw_sections(done: Compensated) -> Figure:
     """The correction along three directions, and that of a turned punch beside it."""
     figure = new_figure(*HALF)
-    axes = figure.add_axes((0.135, 0.12, 0.83, 0.79))
+    axes = figure.add_axes((0.15, 0.135, 0.82, 0.775))
     found = done.found
     rho = np.linspace(0.0, found.space.end, POINTS)
     turned = found.space.kind == "revolution"
@@ -132,13 +136,13 @@ def draw_sections(done: Compensated) -> Figure:
 
 def draw_before_and_after(done: Compensated) -> Figure:
     """The deviation of the judged crossings over the punch as it was and over the corrected one, on one scale."""
-    figure = new_figure(2 * HALF[0], HALF[1])
+    figure = new_figure(6.6, 3.3)
     scale = even_about_zero(done.before.deviation[done.before.judged > 0])
     for column, (misfit, title) in enumerate(((done.before, "before"), (done.after, "after"))):
-        axes = figure.add_axes((0.055 + 0.45 * column, 0.1, 0.4, 0.82))
+        axes = figure.add_axes((0.1 + 0.415 * column, 0.135, 0.355, 0.79))
         _deviations(axes, misfit, scale, done)
-        dress(axes, x="x [mm]", y="y [mm]", title=f"{title}: {misfit.rms:.3g} mm rms")
-    colour_bar(figure, (0.925, 0.16, 0.012, 0.7), scale, DIVERGING, "normal deviation [mm]   (+ upwards)")
+        dress(axes, x="x [mm]", y="" if column else "y [mm]", title=f"{title}: {misfit.rms:.3g} mm rms")
+    colour_bar(figure, (0.885, 0.18, 0.018, 0.68), scale, DIVERGING, "normal deviation [mm]   (+ upwards)")
     return figure
 
 
@@ -157,7 +161,7 @@ def draw_reach(done: Compensated) -> Figure:
     reach = done.reach
     assert reach is not None
     figure = new_figure(*HALF)
-    axes = figure.add_axes((0.115, 0.12, 0.77, 0.79))
+    axes = figure.add_axes((0.13, 0.135, 0.735, 0.77))
     places = np.arange(1, len(reach.values) + 1)
     axes.bar(places, 100 * reach.shares, width=0.6, color=SOFT, alpha=0.5, label="share of the squared error", zorder=2)
     other = max(0.0, 100 * (1 - float(reach.shares.sum())))
@@ -171,7 +175,13 @@ def draw_reach(done: Compensated) -> Figure:
     right.set_ylim(bottom=0.0)
     dress(right, y="singular value of the response: 1 follows, 0 does not")
     figure.legend(
-        loc="upper right", fontsize=TEXT, frameon=False, labelcolor=INK, ncols=2, borderaxespad=0.1, columnspacing=1.0
+        loc="upper right",
+        fontsize=TEXT - 1.5,
+        frameon=False,
+        labelcolor=INK,
+        ncols=2,
+        borderaxespad=0.1,
+        columnspacing=1.0,
     )
     return figure
 

@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 LABEL = "contact force [N]   (+ punch pushes, − held down)"
 
 
-def draw_contact(run: Run) -> Figure:
-    """Every crossing as a square coloured by its contact force, on a scale symmetric about zero."""
+def draw_contact(run: Run, *, reach: float | None = None) -> Figure:
+    """Every crossing as a square coloured by its contact force, on a scale symmetric about zero, to `reach` [N]."""
     whole = run.formed.whole
     figure = new_figure(*HALF)
     axes = plan_axes(figure, points=whole.positions, rim=run.case.rim_radius)
     axes.set_facecolor(PAPER)
-    scale = about_zero(whole.contact)
+    scale = about_zero(whole.contact, reach)
     shown = slice(whole.crossings)
     places, force = squares(whole.positions[shown], run.case.grid.step), whole.contact[shown]
     axes.add_collection(in_colour(places, force, scale, DIVERGING, width=0.0))

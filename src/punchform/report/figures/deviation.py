@@ -39,8 +39,11 @@ SEEN = 0.005
 """A part that is less than this share of the mean square gets no figure at its bar."""
 
 
-def draw_deviation(run: Run, accuracy: Accuracy, aligned: Aligned) -> Figure:
-    """Every judged crossing as a square coloured by its deviation, within the tolerance green; the others pale."""
+def draw_deviation(run: Run, accuracy: Accuracy, aligned: Aligned, *, reach: float | None = None) -> Figure:
+    """Every judged crossing as a square coloured by its deviation, within the tolerance green; the others pale.
+
+    reach: where the scale ends [mm], when figures have it in common.
+    """
     whole = run.final.whole
     values = aligned.deviations.of(accuracy.judge.measure)
     figure = new_figure(*HALF)
@@ -50,7 +53,7 @@ def draw_deviation(run: Run, accuracy: Accuracy, aligned: Aligned) -> Figure:
     mask = accuracy.mask & crossing
     others = squares(whole.positions[crossing & ~mask], step)
     axes.add_collection(in_colour(others, np.zeros(len(others)), Normalize(-1, 1), _one(PALE), width=0.0))
-    scale, colours = deviation_colours(values[mask], accuracy.judge.tolerance)
+    scale, colours = deviation_colours(values[mask], accuracy.judge.tolerance, reach)
     axes.add_collection(in_colour(squares(whole.positions[mask], step), values[mask], scale, colours, width=0.0))
     angle = np.linspace(0, 2 * np.pi, 181)
     for radius in (accuracy.aperture.inner_radius, accuracy.aperture.radius):
@@ -64,7 +67,7 @@ def draw_spread(accuracy: Accuracy, aligned: Aligned) -> Figure:
     judge, mask = accuracy.judge, accuracy.mask
     values, weights = aligned.deviations.of(judge.measure)[mask], accuracy.weights[mask]
     figure = new_figure(*HALF)
-    axes = figure.add_axes((0.115, 0.12, 0.85, 0.82))
+    axes = figure.add_axes((0.135, 0.135, 0.835, 0.8))
     band = 1.5 * (judge.tolerance or 0.0)
     low, high = min(float(values.min()), -band), max(float(values.max()), band)
     margin = 0.02 * (high - low) or 1.0
@@ -92,7 +95,7 @@ def draw_profiles(run: Run, accuracy: Accuracy, aligned: Aligned) -> Figure:
     values = aligned.deviations.of(judge.measure)
     mask = accuracy.mask & (np.arange(len(whole.positions)) < whole.crossings)
     figure = new_figure(*HALF)
-    axes = figure.add_axes((0.115, 0.12, 0.85, 0.79))
+    axes = figure.add_axes((0.135, 0.135, 0.835, 0.775))
     if judge.tolerance is not None:
         axes.axhspan(-judge.tolerance, judge.tolerance, color=GOOD, linewidth=0, zorder=0)
     axes.axhline(0.0, color=SOFT, linewidth=0.6, zorder=1)
@@ -112,7 +115,7 @@ def draw_profiles(run: Run, accuracy: Accuracy, aligned: Aligned) -> Figure:
 def draw_lobes(accuracy: Accuracy) -> Figure:
     """The rms of each part of the deviation, as held and after the best fit; their squares add up."""
     figure = new_figure(*HALF)
-    axes = figure.add_axes((0.115, 0.12, 0.85, 0.79))
+    axes = figure.add_axes((0.135, 0.135, 0.835, 0.775))
     shown = [aligned for aligned in (accuracy.as_held, accuracy.fitted) if aligned.harmonics is not None]
     names: list[str] = []
     for row, (aligned, ink) in enumerate(zip(shown, (ACCENT, PUNCH), strict=False)):

@@ -35,6 +35,8 @@ GOOD = "#b9d8b0"
 CLIPPED = 0.98
 """The share of the points that the colours reach to; the rest take the last colour."""
 SHADES, PALEST = 256, 0.25
+MANY = 2000
+"""More dots than this are one picture inside an SVG."""
 
 
 def draw_deviation_map(done: Comparison) -> Figure:
@@ -53,7 +55,15 @@ def _map(done: Comparison, deviation: Deviation, tolerance: float | None) -> Fig
     axes.set_facecolor(PAPER)
     shown = deviation.inside
     size = _dot(axes, done.aligned)
-    axes.scatter(done.aligned[~shown, 0], done.aligned[~shown, 1], s=size, c=PALE, linewidths=0, zorder=2)
+    axes.scatter(
+        done.aligned[~shown, 0],
+        done.aligned[~shown, 1],
+        s=size,
+        c=PALE,
+        linewidths=0,
+        zorder=2,
+        rasterized=len(done.aligned) > MANY,
+    )
     scale, colours = deviation_colours(deviation.value[shown], tolerance)
     # The largest deviations are drawn last, so that they are not hidden.
     order = np.flatnonzero(shown)[np.argsort(np.abs(deviation.value[shown]), kind="stable")]
@@ -66,6 +76,7 @@ def _map(done: Comparison, deviation: Deviation, tolerance: float | None) -> Fig
         norm=scale,
         linewidths=0,
         zorder=3,
+        rasterized=len(done.aligned) > MANY,
     )
     strays = shown & done.outliers
     axes.scatter(
@@ -85,8 +96,8 @@ def draw_histogram(done: Comparison) -> Figure:
     """Shares of the points by their deviation, with the tolerance as lines and the average."""
     values = done.judged.value[done.judged.inside & done.counted]
     figure = new_figure(*HALF)
-    axes = figure.add_axes((0.115, 0.12, 0.85, 0.82))
-    reach = _reach(values, done.tolerance)
+    axes = figure.add_axes((0.135, 0.135, 0.835, 0.8))
+    reach = reach_of(values, done.tolerance)
     bins = np.linspace(-reach, reach, 2 * int(np.clip(np.sqrt(len(values)), 8, 30)) + 2)
     clipped = np.clip(values, -reach, reach)
     count, edges = np.histogram(clipped, bins)
@@ -111,9 +122,9 @@ def draw_histogram(done: Comparison) -> Figure:
 
 def draw_call_outs(done: Comparison) -> Figure:
     """The labelled points with their deviations, in two columns beside the plan so that no labels overlap."""
-    figure = new_figure(8.4, 4.9)
+    figure = new_figure(6.8, 4.0)
     axes = plan_axes(figure, points=done.aligned, rim=done.case.rim_radius)
-    axes.set_position((0.26, 0.1, 0.49, 0.86))
+    axes.set_position((0.285, 0.12, 0.44, 0.84))
     axes.set_ylabel("")
     axes.scatter(
         done.aligned[done.judged.inside, 0],
@@ -122,6 +133,7 @@ def draw_call_outs(done: Comparison) -> Figure:
         c=PALE,
         linewidths=0,
         zorder=2,
+        rasterized=len(done.aligned) > MANY,
     )
     rows = done.labelled
     place = done.aligned[rows, :2]
@@ -154,9 +166,14 @@ def draw_call_outs(done: Comparison) -> Figure:
     return figure
 
 
-def deviation_colours(values: Floats, tolerance: float | None) -> tuple[Normalize, LinearSegmentedColormap]:
-    """A scale symmetric about zero and its colours: blue below, red above, green within the tolerance."""
-    reach = _reach(values, tolerance)
+def deviation_colours(
+    values: Floats, tolerance: float | None, reach: float | None = None
+) -> tuple[Normalize, LinearSegmentedColormap]:
+    """A scale symmetric about zero and its colours: blue below, red above, green within the tolerance.
+
+    reach: where it ends [mm], when figures have it in common.
+    """
+    reach = reach or reach_of(values, tolerance)
     centres = (np.arange(SHADES) + 0.5) / SHADES * 2 - 1
     band = 0.0 if tolerance is None else tolerance / reach
     # Just outside the tolerance a point is pale, but not so pale that it is lost on the paper.
@@ -166,7 +183,7 @@ def deviation_colours(values: Floats, tolerance: float | None) -> tuple[Normaliz
     return Normalize(-reach, reach), LinearSegmentedColormap.from_list("deviation", list(shades), N=SHADES)
 
 
-def _reach(values: Floats, tolerance: float | None) -> float:
+def reach_of(values: Floats, tolerance: float | None) -> float:
     """Where the colours end [mm]: most points, and never so near that the tolerance fills all of it."""
     most = float(np.quantile(np.abs(values), CLIPPED)) if values.size else 0.0
     return max(most, 0.0 if tolerance is None else 1.5 * tolerance) or 1.0

@@ -31,11 +31,12 @@ if TYPE_CHECKING:
 ARROWS_ACROSS = 24
 
 
-def draw_sag(run: Run) -> Figure:
-    """Every crossing as a square coloured by how far the release moved it up or down; the lowest is ringed."""
+def draw_sag(run: Run, *, reach: float | None = None) -> Figure:
+    """Every crossing as a square coloured by how far the release moved it up or down, to `reach` [mm]; the lowest is
+    ringed."""
     released = run.released
     assert released is not None
-    figure = _plan(run, released.whole, released.moved[:, 2], "vertical move by the release [mm]   (+ up)")
+    figure = _plan(run, released.whole, released.moved[:, 2], "vertical move by the release [mm]   (+ up)", reach)
     if released.max_sag < 0:
         x, y, _ = released.whole.positions[released.lowest]
         axes = figure.axes[0]
@@ -81,11 +82,11 @@ def draw_mode(run: Run) -> Figure:
     return figure
 
 
-def _plan(run: Run, whole: Whole, values: Floats, label: str) -> Figure:
+def _plan(run: Run, whole: Whole, values: Floats, label: str, reach: float | None = None) -> Figure:
     figure = new_figure(*HALF)
     axes = plan_axes(figure, points=whole.positions, rim=run.case.rim_radius)
     axes.set_facecolor(PAPER)
-    scale = even_about_zero(values)
+    scale = even_about_zero(values, reach)
     shown = slice(whole.crossings)
     places = squares(whole.positions[shown], run.case.grid.step)
     axes.add_collection(in_colour(places, values[shown], scale, DIVERGING, width=0.0))

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Picture:
     """One figure: its file name without ending, its heading, how to read it, what draws it, half or whole
-    width, and the section of the report that it belongs to."""
+    width, the section of the report that it belongs to, and what to conclude from it, with its numbers."""
 
     name: str
     title: str
@@ -23,3 +23,4 @@ class Picture:
     draw: Callable[[Run], Figure]
     wide: bool = False
     section: str = "formed"
+    found: str = ""

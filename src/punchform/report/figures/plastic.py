@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from punchform.whole import Whole
 
 SECTION = "yielding"
-WIDE = (7.4, 3.0)
+WIDE = (6.0, 2.9)
 
 
 def yielding_pictures(run: Run) -> tuple[Picture, ...]:
@@ -69,7 +69,7 @@ def draw_along_middle(run: Run) -> Figure:
     """Elongation, and what stays of it, along the wire of each family that passes nearest to the axis."""
     whole = run.formed.whole
     figure = new_figure(*WIDE)
-    axes = figure.add_axes((0.075, 0.155, 0.91, 0.8))
+    axes = figure.add_axes((0.095, 0.16, 0.89, 0.79))
     for family, ink in ((1, ACCENT), (2, PUNCH)):
         wire = middle_wire(whole, family)
         ends = whole.flat[np.column_stack((whole.start, whole.end))[wire], family - 1]

@@ -15,6 +15,7 @@ from punchform.optimise.problem import unit_of
 from punchform.optimise.search import Found
 from punchform.report.figures.style import ACCENT, INK, PALE, PUNCH, SOFT, TEXT, dress, new_figure
 
+FAINT = "#9aa6b2"
 SPREAD = 20.0
 """Values that differ by more than this factor are shown on a logarithmic scale."""
 
@@ -23,18 +24,18 @@ def draw_search(found: Found) -> Figure:
     """Each objective against the number of the design: all designs, the front or the best so far, and the best."""
     objectives = found.question.objectives
     high = 0.9 + 2.1 * len(objectives)
-    figure = new_figure(8.4, high)
+    figure = new_figure(5.8, high)
     whole = [answer for answer in found.answers if answer.merit is not None]
     kept = {answer.number for answer in found.front}
     number = np.array([answer.number for answer in whole])
     allowed = np.array([answer.allowed for answer in whole])
     in_front = np.array([answer.number in kept for answer in whole])
     for k, objective in enumerate(objectives):
-        axes = figure.add_axes((0.11, 1 - (2.1 * (k + 1) + 0.3) / high, 0.86, 1.75 / high))
+        axes = figure.add_axes((0.135, 1 - (2.1 * (k + 1) + 0.3) / high, 0.84, 1.75 / high))
         values = _values(whole, objective.figure)
         axes.plot(number[~allowed], values[~allowed], "x", color=SOFT, markersize=4, label="breaks a constraint")
         axes.plot(
-            number[allowed & ~in_front], values[allowed & ~in_front], "o", color=PALE, markersize=4, label="design"
+            number[allowed & ~in_front], values[allowed & ~in_front], "o", color=FAINT, markersize=4, label="design"
         )
         if len(objectives) > 1:
             axes.plot(number[in_front], values[in_front], "o", color=ACCENT, markersize=4.5, label="of the front")
@@ -64,16 +65,16 @@ def draw_front(found: Found) -> Figure:
     """Every pair of objectives: all designs that keep the constraints, the front, and the compromise."""
     names = [objective.figure for objective in found.question.objectives]
     pairs = list(combinations(names, 2))
-    columns = min(len(pairs), 3)
+    columns = min(len(pairs), 2)
     rows = -(-len(pairs) // columns)
     high = 0.45 + 3.2 * rows
-    figure = new_figure(10.2 if columns == 3 else 4.2 * columns, high)
+    figure = new_figure(4.8 if columns == 1 else 6.4, high)
     behind = [answer for answer in found.answers if answer.allowed]
     for place, (across, up) in enumerate(pairs):
         row, column = divmod(place, columns)
-        left, bottom = (column + 0.2) / columns, 1 - (0.4 + 3.2 * (row + 1) - 0.55) / high
-        axes = figure.add_axes((left, bottom, 0.76 / columns, 2.55 / high))
-        axes.plot(_values(behind, across), _values(behind, up), "o", color=PALE, markersize=4, label="design")
+        left, bottom = (column + 0.22) / columns, 1 - (0.4 + 3.2 * (row + 1) - 0.55) / high
+        axes = figure.add_axes((left, bottom, 0.74 / columns, 2.55 / high))
+        axes.plot(_values(behind, across), _values(behind, up), "o", color=FAINT, markersize=4, label="design")
         axes.plot(
             _values(found.front, across),
             _values(found.front, up),

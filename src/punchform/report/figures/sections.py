@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from punchform.run import Run
 
 DIRECTIONS = (45, 0)
-WIDTH, LEFT, PANEL = HALF[0], 0.6, 4.9
+WIDTH, LEFT, PANEL = HALF[0], 0.6, 4.1
 BELOW, ABOVE, TALLEST = 0.5, 0.4, 2.4
 
 

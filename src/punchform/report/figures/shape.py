@@ -28,11 +28,15 @@ WIRES_ACROSS = 60
 
 
 def draw_shape(run: Run) -> Figure:
+    """The grid in the tool."""
+    return draw_whole(run.formed.whole)
+
+
+def draw_whole(whole: Whole) -> Figure:
     """Parallel projection, drawn from the back to the front so that near parts hide far ones.
 
     Our own projection instead of 3D axes: those draw wires through the surface and are slow on large grids.
     """
-    whole = run.formed.whole
     corners, wires = whole.positions[whole.cells], whole.positions[some_wires(whole)]
     scale = Normalize(float(whole.positions[:, 2].min()), float(whole.positions[:, 2].max()))
     fills = _shaded(corners, scale)
@@ -47,6 +51,7 @@ def draw_shape(run: Run) -> Figure:
         facecolors=np.concatenate((fills, np.zeros_like(inks)))[order],
         edgecolors=np.concatenate((fills, inks))[order],
         linewidths=np.repeat([0.4, 0.35], [len(corners), len(wires)])[order],
+        rasterized=True,
     )
     return in_relief(drawn, whole.positions, scale)
 
@@ -55,11 +60,11 @@ def in_relief(drawn: Collection, points: Floats, scale: Normalize) -> Figure:
     """The figure of what was drawn of a shape with these points (n, 3), as seen, with the colours of its heights."""
     outline = seen(points)
     size = np.ptp(outline, axis=0)
-    figure = new_figure(7.6, float(np.clip(0.4 + 6.4 * size[1] / size[0], 3.0, 8.0)))
-    axes = figure.add_axes((0.01, 0.01, 0.86, 0.98))
+    figure = new_figure(6.2, float(np.clip(0.35 + 5.2 * size[1] / size[0], 2.6, 6.6)))
+    axes = figure.add_axes((0.01, 0.01, 0.85, 0.98))
     axes.add_collection(drawn)
     frame(axes, outline)
-    colour_bar(figure, (0.895, 0.2, 0.018, 0.6), scale, RELIEF, "height z [mm]")
+    colour_bar(figure, (0.875, 0.16, 0.02, 0.68), scale, RELIEF, "height z [mm]")
     return figure
 
 

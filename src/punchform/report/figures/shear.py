@@ -25,14 +25,15 @@ if TYPE_CHECKING:
     from punchform.whole import Whole
 
 
-def draw_shear(run: Run) -> Figure:
-    """Cells coloured by the size of their shear angle, from zero; the most sheared cell is ringed."""
+def draw_shear(run: Run, *, reach: float | None = None) -> Figure:
+    """Cells coloured by the size of their shear angle, from zero to the largest or `reach` [deg]; the most sheared cell
+    is ringed."""
     whole = run.formed.whole
     corners = whole.positions[whole.cells][:, :, :2]
     shear = np.degrees(np.abs(whole.cell_shear))
     figure = new_figure(*HALF)
     axes = plan_axes(figure, points=whole.positions, rim=run.case.rim_radius)
-    scale = from_zero(shear)
+    scale = from_zero(shear, reach)
     axes.add_collection(in_colour(corners, shear, scale, SEQUENTIAL, width=0.3))
     most = most_sheared(whole)
     spot = corners[most].mean(axis=0)

@@ -26,20 +26,20 @@ if TYPE_CHECKING:
     from punchform.whole import Whole
 
 
-def draw_stress(run: Run, whole: Whole | None = None) -> Figure:
+def draw_stress(run: Run, whole: Whole | None = None, *, reach: float | None = None) -> Figure:
     """Every element of both families as a line coloured by its stress, from zero.
 
-    whole: the grid in the stage to be shown, the formed one unless given.
+    whole: the grid in the stage to be shown, the formed one unless given; reach: where the scale ends [MPa].
     """
     whole = whole or run.formed.whole
-    return draw_pieces(run, whole, whole.stress, "largest stress in the wire [MPa]")
+    return draw_pieces(run, whole, whole.stress, "largest stress in the wire [MPa]", reach)
 
 
-def draw_pieces(run: Run, whole: Whole, values: Floats, label: str) -> Figure:
+def draw_pieces(run: Run, whole: Whole, values: Floats, label: str, reach: float | None = None) -> Figure:
     """Every element of both families as a line coloured by its value (M,), from zero; without those not known."""
     known = np.isfinite(values)
     segments = whole.positions[np.column_stack((whole.start, whole.end))[known]][:, :, :2]
-    scale = from_zero(values[known])
+    scale = from_zero(values[known], reach)
     figure = new_figure(*HALF)
     axes = plan_axes(figure, points=whole.positions, rim=run.case.rim_radius)
     axes.set_facecolor(PAPER)

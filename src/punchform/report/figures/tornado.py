@@ -10,26 +10,31 @@ from punchform.report.figures.style import ACCENT, INK, PALE, PUNCH, TEXT, dress
 
 MOST = 20
 """More bars than this say nothing more."""
+ROW = 0.46
+"""Height of a bar with its name above it [inch]."""
 
 
 def draw_tornado(table: Table) -> Figure:
     """Bars to the right where more of the number is more of the figure, to the left where it is less."""
     rows = [row for row in table.rows if row.effect is not None and row.matters][:MOST]
-    figure = new_figure(8.4, 1.1 + 0.3 * max(len(rows), 1))
-    high = figure.get_figheight()
-    axes = figure.add_axes((0.36, 0.62 / high, 0.6, 1 - 1.0 / high))
+    high = 0.75 + ROW * max(len(rows), 1)
+    figure = new_figure(5.6, high)
+    axes = figure.add_axes((0.03, 0.55 / high, 0.94, 1 - 0.65 / high))
     effects = [row.effect or 0.0 for row in rows]
     places = range(len(rows), 0, -1)
-    axes.barh(list(places), effects, height=0.62, color=[PUNCH if effect > 0 else ACCENT for effect in effects])
+    axes.barh(list(places), effects, height=0.36, color=[PUNCH if effect > 0 else ACCENT for effect in effects])
     axes.axvline(0.0, color=INK, linewidth=0.8)
-    axes.set_yticks(list(places), [f"{row.of.place} = {row.of.value:.4g} {row.of.unit}".rstrip() for row in rows])
     reach = 1.28 * max((abs(effect) for effect in effects), default=1.0)
-    axes.set_xlim(-reach, reach)
-    for place, effect in zip(places, effects, strict=True):
-        aside = 0.012 * reach if effect > 0 else -0.012 * reach
+    axes.set(xlim=(-reach, reach), ylim=(0.55, max(len(rows), 1) + 0.75), yticks=[])
+    for place, row, effect in zip(places, rows, effects, strict=True):
         words = f"{effect:+.2g}".replace("-", "−")
-        side = "left" if effect > 0 else "right"
-        axes.text(effect + aside, place, words, va="center", ha=side, fontsize=TEXT - 1.5, color=INK)
+        side, aside = ("left", 3) if effect > 0 else ("right", -3)
+        axes.annotate(
+            words, (effect, place), xytext=(aside, 0), textcoords="offset points", va="center", ha=side,
+            fontsize=TEXT - 1, color=INK,
+        )  # fmt: skip
+        name = f"{row.of.place} = {row.of.value:.4g} {row.of.unit}".rstrip()
+        axes.text(-0.98 * reach, place + 0.4, name, va="center", fontsize=TEXT, color=INK)
     axes.grid(axis="x", color=PALE, linewidth=0.5)
     axes.set_axisbelow(True)
     unit = FIGURES[table.figure].unit

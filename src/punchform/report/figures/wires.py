@@ -16,16 +16,23 @@ from punchform.report.figures.style import RELIEF
 if TYPE_CHECKING:
     from punchform.arrays import Floats
     from punchform.run import Run
+    from punchform.whole import Whole
 
 NEAR, FAR = 2.6, 1.0
 """Width of the nearest and of the farthest wires [pt]."""
 
 
 def draw_wires(run: Run) -> Figure:
+    """The wires of the formed grid."""
+    return draw_wires_of(run.formed.whole)
+
+
+def draw_wires_of(whole: Whole) -> Figure:
     """Every element as a line coloured by its height, in parallel projection; near ones are thicker and on top."""
-    whole = run.formed.whole
     lines = whole.positions[np.column_stack((whole.start, whole.end))]
-    scale = Normalize(float(whole.positions[:, 2].min()), float(whole.positions[:, 2].max()))
+    lines = lines[np.isfinite(lines).all(axis=(1, 2))]
+    there = whole.positions[np.isfinite(whole.positions).all(axis=1)]
+    scale = Normalize(float(there[:, 2].min()), float(there[:, 2].max()))
     depth = (lines @ TOWARDS_EYE).mean(axis=1)
     order = np.argsort(depth)
     nearness = (depth[order] - depth.min()) / (np.ptp(depth) or 1.0)
@@ -36,5 +43,6 @@ def draw_wires(run: Run) -> Figure:
         norm=scale,
         linewidths=FAR + (NEAR - FAR) * nearness,
         capstyle="round",
+        rasterized=True,
     )
-    return in_relief(drawn, whole.positions, scale)
+    return in_relief(drawn, there, scale)

@@ -1,0 +1,83 @@
+"""What can be shown of a run as colours on its grid: at cells, wires or crossings, stage by stage."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from punchform.arrays import Floats
+from punchform.load import Loaded
+from punchform.press import Formed
+from punchform.release import Released
+
+if TYPE_CHECKING:
+    from punchform.run import Done, Run
+
+
+@dataclass(frozen=True)
+class Field:
+    """A field of a stage: values at its cells (K,), wires (M,) or crossings (N,), NaN where they are not known.
+
+    label: for a legend, with the unit; signed: whether zero is in the middle of the scale; force: whether it is a
+    force, which at the rim is tens of times that elsewhere.
+    """
+
+    name: str
+    label: str
+    on: Literal["cells", "wires", "crossings"]
+    values: Floats
+    signed: bool = False
+    force: bool = False
+
+
+def stage_of(run: Run, stage: str) -> Done:
+    """The stage of a run: "formed", "released" or "loaded", or the name of one of `run.stages`, such as "trim 1".
+
+    Raises ValueError for a stage that the run has not, with those that it has.
+    """
+    known: dict[str, Done | None] = {"formed": run.formed, "released": run.released, "loaded": run.loaded}
+    known |= {one.name: one.done for one in run.stages}
+    found = known.get(stage)
+    if found is None:
+        there = ", ".join(name for name, done in known.items() if done is not None)
+        raise ValueError(f"the run has no stage {stage!r}; it has: {there}")
+    return found
+
+
+def fields(run: Run, stage: str) -> dict[str, Field]:
+    """All fields of a stage by their names: those that are not known or do not apply are left out. See `stage_of`."""
+    done = stage_of(run, stage)
+    whole = done.whole
+    found = [
+        Field("height", "height z [mm]", "crossings", whole.positions[:, 2]),
+        Field("axial_force", "axial force [N]", "wires", whole.F[:, 0], signed=True, force=True),
+        Field("stress", "largest stress in the wire [MPa]", "wires", whole.stress),
+        Field("stress_ratio", "stress / yield strength", "wires", whole.stress_ratio),
+        Field("strain", "strain of the wire by its pull [%]", "wires", 100 * whole.axial_strain, signed=True),
+        Field("energy", "elastic energy of a wire piece [mJ]", "wires", whole.energy),
+    ]
+    if len(whole.cells):
+        found.insert(1, Field("shear", "shear angle |γ| [°]", "cells", np.degrees(np.abs(whole.cell_shear))))
+    if isinstance(done, Formed):
+        found.append(Field("contact", "contact force [N]", "crossings", whole.contact, signed=True, force=True))
+    if done.hardening is not None:
+        found.append(Field("plastic_strain", "plastic strain [%]", "wires", 100 * whole.plastic_strain))
+    if isinstance(done, Released | Loaded):
+        found.append(Field("moved", "move [mm]", "crossings", np.linalg.norm(done.moved, axis=1)))
+    if run.accuracy is not None and done is run.final:
+        judge, aligned = run.accuracy.judge, run.accuracy
+        chosen = aligned.as_held if judge.alignment == "as held" else aligned.fitted
+        values = np.where(aligned.mask, chosen.deviations.of(judge.measure), np.nan)
+        label = f"{judge.measure} deviation, {judge.alignment} [mm]"
+        found.append(Field("deviation", label, "crossings", values, signed=True))
+    return {one.name: one for one in found if np.isfinite(one.values).any()}
+
+
+def field_of(run: Run, field: str, stage: str) -> Field:
+    """One field of a stage. Raises ValueError for one that the stage has not, with those that it has."""
+    known = fields(run, stage)
+    if field not in known:
+        raise ValueError(f"there is no field {field!r} of the stage {stage!r}; there are: shape, {', '.join(known)}")
+    return known[field]

@@ -1,0 +1,210 @@
+"""Results in notebooks: whole HTML, a figure of every field of every stage, and clear words for what is not there."""
+
+from __future__ import annotations
+
+import base64
+import re
+import subprocess
+import sys
+from functools import cache
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+import stretched
+import tiny_dish
+from matplotlib.collections import PathCollection
+from matplotlib.figure import Figure
+
+from punchform import Drape, Run, drape, form_shell, read_case, run
+from punchform.case import varied
+from punchform.errors import InputError
+from punchform.grid import Grid
+from punchform.report import notebook
+from punchform.report.fields import field_of, fields, stage_of
+from punchform.shell import Shell
+
+
+@cache
+def elastic(symmetry: str = "quarter") -> Run:
+    """A small dish of elastic wires with a target."""
+    case = tiny_dish.case("[load]\npressure = '1 Pa'\n")
+    return run(varied(case, {"grid.symmetry": symmetry}))
+
+
+@cache
+def net() -> Drape:
+    """The net of the small dish."""
+    return drape(tiny_dish.case())
+
+
+@cache
+def shell() -> Shell:
+    """The packaged gridshell."""
+    return form_shell(read_case("packaged:gridshell"))
+
+
+class Tags(HTMLParser):
+    """Checks that every tag is closed, and collects the text."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.words: list[str] = []
+        self.feed(page)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        assert tag == "img"
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data)
+
+
+def checked(page: str) -> str:
+    """The text of a page that is well-formed, brings its picture with it, and leaves its colours to the notebook."""
+    tags = Tags(page)
+    assert not tags.open
+    picture = re.search(r'src="data:image/png;base64,([^"]+)"', page)
+    assert picture is not None
+    assert base64.b64decode(picture[1]).startswith(b"\x89PNG")
+    assert not re.search(r"https?://|<script", page)
+    assert "color:" not in page, "text is legible on dark and light"
+    assert 5_000 < len(page) < 400_000
+    return " | ".join(tags.words)
+
+
+def test_a_run_shows_its_verdict_and_its_figures() -> None:
+    done = elastic()
+    told = checked(done._repr_html_())
+    assert done.accuracy is not None
+    assert ("✔" in told) is bool(done.accuracy.within)
+    assert ("✘" in told) is not done.accuracy.within
+    assert done.formed.outcome.value in told
+    assert f"{done.formed.whole.crossings} crossings" in told
+    assert "tolerance of 0.500" in told
+    yielding = checked(stretched.dish()._repr_html_())
+    assert "largest elongation" in yielding
+    assert not re.search("[✔✘]", yielding), "nothing is judged without a target"
+
+
+def test_grid_net_and_gridshell_show_themselves() -> None:
+    grid = elastic().formed.grid
+    assert f"{grid.nodes} nodes, {grid.elements} wire pieces, a quarter" in checked(grid._repr_html_())
+    assert "✔" in checked(net()._repr_html_())
+    assert "hemisphere" in checked(shell()._repr_html_()) or "rods" in checked(shell()._repr_html_())
+    assert "ends held" in checked(shell()._repr_html_())
+
+
+def test_titles_are_text_and_not_html() -> None:
+    done = elastic()
+    titled = done.case.model_copy(update={"title": "<b>5 & 6</b>"})
+    told = notebook.html_of_run(Run(**{**vars(done), "case": titled}))
+    assert "<b>" not in told
+    assert "<b>5 & 6</b>" in checked(told)
+
+
+CASES = {
+    "elastic": lambda: elastic(),
+    "whole": lambda: elastic("full"),
+    "yielding": lambda: stretched.dish(),
+}
+
+
+@pytest.mark.parametrize("which", CASES)
+def test_every_field_of_every_stage_draws(which: str) -> None:
+    done: Run = CASES[which]()
+    for stage in ("formed", "released"):
+        known = fields(done, stage)
+        for field in ("shape", *known):
+            figure = done.plot(field, stage)
+            assert isinstance(figure, Figure)
+            labels = [axes.get_ylabel() for axes in figure.axes]
+            assert ("height z [mm]" if field == "shape" else known[field].label) in labels
+    assert ("plastic_strain" in fields(done, "formed")) is (which == "yielding")
+    assert ("deviation" in fields(done, "released")) is (which != "yielding")
+
+
+def test_the_fields_are_those_of_the_run() -> None:
+    done = elastic()
+    whole, accuracy = done.formed.whole, done.accuracy
+    assert accuracy is not None
+    assert np.array_equal(field_of(done, "contact", "formed").values, whole.contact)
+    assert field_of(done, "shear", "formed").values.max() == pytest.approx(np.degrees(done.formed.max_shear))
+    assert field_of(done, "strain", "formed").values.max() == pytest.approx(100 * done.formed.max_axial_strain)
+    deviation = field_of(done, "deviation", "released").values
+    assert (np.isfinite(deviation) == accuracy.mask).all()
+    rms = np.sqrt(np.average(deviation[accuracy.mask] ** 2, weights=accuracy.weights[accuracy.mask]))
+    assert rms == pytest.approx(accuracy.judged.rms)
+    assert done.released is not None
+    sunk = field_of(done, "moved", "released").values
+    assert sunk.max() == pytest.approx(np.linalg.norm(done.released.moved, axis=1).max())
+    assert stage_of(done, "press 1") is done.formed
+    assert stage_of(done, "loaded") is done.loaded
+
+
+def test_a_plan_shows_as_many_colours_as_it_has_values() -> None:
+    figure = elastic().plot("height")
+    drawn = [one for one in figure.axes[0].collections if isinstance(one, PathCollection)]
+    corners = sum(np.shape(path.vertices)[0] for path in drawn[0].get_paths())
+    assert corners == 5 * elastic().formed.whole.crossings, "a closed square for each crossing"
+
+
+@pytest.mark.parametrize(
+    ("field", "stage", "told"),
+    [
+        ("shears", "formed", "no field 'shears' of the stage 'formed'; there are: shape, height, shear, axial_force"),
+        ("contact", "released", "no field 'contact' of the stage 'released'"),
+        ("shape", "cut", "no stage 'cut'; it has: formed, released, loaded, press 1, release 1, load 1"),
+    ],
+)
+def test_what_is_not_there_is_told_with_what_is(field: str, stage: str, told: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(told)):
+        elastic().plot(field, stage)
+
+
+def test_a_quarter_is_drawn_with_its_images() -> None:
+    quarter, whole = (elastic(symmetry).formed.grid for symmetry in ("quarter", "full"))
+    counts = [[len(one.get_paths()) for one in grid.plot().axes[0].collections] for grid in (quarter, whole)]
+    assert counts[0][:3] == [quarter.elements] * 3, "three pale images"
+    assert counts[0][3:] == [int((quarter.family == w).sum()) for w in (0, 1)]
+    assert counts[1] == [int((whole.family == w).sum()) for w in (0, 1)]
+
+
+def test_figures_show_themselves_in_a_notebook() -> None:
+    drawn: Grid = elastic().formed.grid
+    shown = getattr(drawn.plot(), "_repr_png_")()  # noqa: B009
+    assert shown.startswith(b"\x89PNG")
+    assert isinstance(net().plot(), Figure)
+    assert isinstance(shell().plot(), Figure)
+
+
+def test_pyvista_shows_the_field(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("pyvista")
+    done = elastic()
+    for field, count in (
+        ("shape", len(done.formed.whole.positions)),
+        ("stress", len(done.formed.whole.start)),
+        ("shear", len(done.formed.whole.cells)),
+    ):
+        plotter = done.plot3d(field, off_screen=True)
+        mesh = plotter.meshes[0]
+        assert len(mesh.active_scalars) == count
+        assert mesh.n_points == len(done.formed.whole.positions)
+        plotter.close()
+    monkeypatch.setattr(notebook, "find_spec", lambda name: None)
+    with pytest.raises(InputError, match=r"pip install 'punchform\[pyvista\]'"):
+        done.plot3d()
+
+
+def test_drawing_is_loaded_when_something_is_drawn() -> None:
+    drawers = ("matplotlib", "pyvista")
+    ask = f"import sys, punchform.run, punchform.grid; print([name for name in {drawers} if name in sys.modules])"
+    told = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=True)
+    assert told.stdout == "[]\n"

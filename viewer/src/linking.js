@@ -1,0 +1,36 @@
+// Several viewers on a page that follow each other: the way one looks, the shape, the colours and their range.
+
+/** What the viewers of a page have in common while they are linked; more than one is needed to matter. */
+export function linking() {
+  const members = [];
+  let linked = true;
+  let busy = false;
+
+  function others(self, each) {
+    if (!linked || busy) return;
+    busy = true;
+    for (const member of members) if (member !== self) each(member);
+    busy = false;
+  }
+
+  return {
+    join(member) { members.push(member); },
+    get linked() { return linked; },
+    set linked(on) {
+      linked = on;
+      for (const member of members) member.refresh();
+    },
+    turned(self, pose) { others(self, (member) => member.follow(pose)); },
+    changed(self, asked) { others(self, (member) => member.askNamed(asked)); },
+    /** The range that holds for all: of each member that can tell the quantity. */
+    range(self, own, key, robust, steady, poseName) {
+      if (!linked || members.length < 2) return own;
+      const all = members.map((member) => member === self ? own : member.ownRange(key, robust, steady, poseName)).filter(Boolean);
+      if (!all.length) return own;
+      const least = (name) => Math.min(...all.map((one) => one[name]));
+      const largest = (name) => Math.max(...all.map((one) => one[name]));
+      return { least: least("least"), largest: largest("largest"), low: least("low"), high: largest("high") };
+    },
+    refresh(self) { others(self, (member) => member.refresh()); },
+  };
+}

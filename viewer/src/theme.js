@@ -1,0 +1,21 @@
+// The colours of the page's theme, read from its style, and told again when the theme changes.
+
+const NAMES = ["stage", "missing", "punch", "target", "family1", "family2"];
+
+/** The colours of an element's theme; `changed` is called when the page or the system takes another. */
+export function watchTheme(root, changed) {
+  const theme = { colours: {}, ground: "light" };
+  function read() {
+    const style = getComputedStyle(root);
+    theme.colours = Object.fromEntries(NAMES.map((name) => [name, style.getPropertyValue(`--pf-${name}`)]));
+    theme.ground = style.getPropertyValue("--pf-ground").trim() === "dark" ? "dark" : "light";
+  }
+  function again() {
+    read();
+    changed();
+  }
+  read();
+  new MutationObserver(again).observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
+  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
+  return theme;
+}
