@@ -7,13 +7,14 @@ PIP  := python -m pip --disable-pip-version-check
 RUN  := runs/demo
 SOURCES := $(shell find src -type f -not -path '*/__pycache__/*')
 
-.PHONY: help install demo test format lint types layers bare unit viewer clean
+.PHONY: help install demo test docs format lint types layers bare unit viewer clean
 
 help:
 	@echo "make install  the environment .venv with the command .venv/bin/punchform"
 	@echo "make demo     install, then form the packaged case of the paper; says where the report is"
 	@echo "make test     install with the test extras, then every check (as CI runs them)"
 	@echo "make viewer   rewrite the 3D viewer from its sources (needs Node)"
+	@echo "make docs     the documentation: the site in docs/_build/html, and every page executed"
 	@echo "make format   rewrite the sources in the house format"
 	@echo "make clean    remove the environments, the caches and runs/demo"
 
@@ -29,6 +30,10 @@ $(VENV)/.installed: pyproject.toml | $(VENV)/pyvenv.cfg
 $(VENV)/.test-ready: pyproject.toml | $(VENV)/pyvenv.cfg
 	$(VENV)/bin/$(PIP) install --quiet --editable '.[test,fast]'
 	@touch $(VENV)/.installed $@
+
+$(VENV)/.docs-ready: $(VENV)/.test-ready
+	$(VENV)/bin/$(PIP) install --quiet --editable '.[docs]'
+	@touch $@
 
 $(BARE)/.ready: pyproject.toml | $(BARE)/pyvenv.cfg
 	$(BARE)/bin/$(PIP) install --quiet .
@@ -46,17 +51,24 @@ demo: install
 	@echo
 	@echo "report: $(CURDIR)/$(RUN)/report.html"
 
+# --- the documentation: a warning of the site and a page that says something else than the program are errors -----
+
+docs: $(VENV)/.docs-ready
+	$(BIN)/python -m sphinx -q -W --keep-going -b html -d docs/_build/doctrees docs docs/_build/html
+	$(BIN)/pytest tests/pages --numprocesses auto --dist loadgroup
+	@echo "documentation: $(CURDIR)/docs/_build/html/index.html"
+
 # --- checks; pytest comes last so that its closing line closes the output -----------------------------------
 
 test: lint types layers bare unit
 
 format: $(VENV)/.test-ready
-	$(BIN)/ruff check --fix --quiet src tests
-	$(BIN)/ruff format src tests
+	$(BIN)/ruff check --fix --quiet src tests docs/conf.py docs/_ext
+	$(BIN)/ruff format src tests docs/conf.py docs/_ext
 
 lint: $(VENV)/.test-ready
-	$(BIN)/ruff format --check src tests
-	$(BIN)/ruff check src tests
+	$(BIN)/ruff format --check src tests docs/conf.py docs/_ext
+	$(BIN)/ruff check src tests docs/conf.py docs/_ext
 
 types: $(VENV)/.test-ready
 	$(BIN)/mypy
@@ -65,7 +77,7 @@ layers: $(VENV)/.test-ready
 	$(BIN)/lint-imports
 
 unit: $(VENV)/.test-ready
-	$(BIN)/pytest --numprocesses auto --dist loadfile
+	$(BIN)/pytest --numprocesses auto --dist loadfile --ignore tests/pages
 
 bare: $(BARE)/.checked
 
@@ -80,4 +92,4 @@ viewer:
 	scripts/build-viewer
 
 clean:
-	rm -rf $(VENV) $(BARE) $(RUN) build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) $(BARE) $(RUN) build dist docs/_build .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis

@@ -5,6 +5,9 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from pygments.lexers import TextLexer
+from sphinx.application import Sphinx
+
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE / "_ext"), str(HERE.parent / "src")]
 
@@ -29,6 +32,7 @@ myst_enable_extensions = ["attrs_block", "colon_fence"]
 # Indented blocks are formulas; commands and programs stand in fences that name their language.
 highlight_language = "none"
 autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 python_display_short_literal_types = True
@@ -44,3 +48,8 @@ html_show_sphinx = False
 html_domain_indices = False
 html_use_index = True
 html_theme_options = {"navigation_with_keys": True}
+
+
+def setup(app: Sphinx) -> None:
+    """Tables of numbers have a language of their own for the tests, and no colours."""
+    app.add_lexer("csv", TextLexer)

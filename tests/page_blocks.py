@@ -29,7 +29,7 @@ FENCE = re.compile(r"^```([^\n`]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 REMARK = re.compile(r"^<!-- (run|begins with|file|in|printed|held by)(?:: (.*?))? -->$", re.MULTILINE)
 HEADER = re.compile(r"^\[([\w.\"]+)\]", re.MULTILINE)
 LANGUAGES = ("console", "toml", "python", "csv", "text")
-DIRECTIVES = ("{include}", "{literalinclude}", "{toctree}", "{figure}", "{note}", "{tip}", "{warning}")
+DIRECTIVES = ("{eval-rst}", "{include}", "{literalinclude}", "{toctree}", "{figure}", "{note}", "{tip}", "{warning}")
 SECONDS = 600
 
 

@@ -131,9 +131,7 @@ def _centres(nodes: _Growing, passes: Bools, welded: bool) -> Ints:
     return np.asarray(centres)
 
 
-def _between(
-    whole: Whole, elements: tuple[Element, ...], places: Floats, at_o: Ints, at_b: Ints, count: int
-) -> Floats:
+def _between(whole: Whole, elements: tuple[Element, ...], places: Floats, at_o: Ints, at_b: Ints, count: int) -> Floats:
     """Places (M, count - 1, 3) [mm] at equal parts of the bent centrelines, between their ends.
 
     The unloaded centreline stands in the frame at O; a cubic carries its far end to where it is, turned as it is.

@@ -57,7 +57,11 @@ def write_decks(run: Run, folder: Path) -> tuple[Path, ...]:
     """
     _refuse(run)
     last = next((k for k, stage in reversed(list(enumerate(run.stages))) if isinstance(stage.done, Released)), None)
-    settings = [stage.settings for stage in run.stages[: None if last is None else last] if isinstance(stage.settings, PressCase)]
+    settings = [
+        stage.settings
+        for stage in run.stages[: None if last is None else last]
+        if isinstance(stage.settings, PressCase)
+    ]
     elements = prepare(run.case).elements
     subdivide = run.case.grid.subdivide
     wires = _Wires(
@@ -111,9 +115,7 @@ def _text(
 ) -> str:
     section = wires.elements[0].section
     assert section is not None, "wires without a section are refused"
-    model = beams(
-        whole, wires.elements, wires.bars, count=wires.count, welded=wires.welded, clamped=support.clamped
-    )
+    model = beams(whole, wires.elements, wires.bars, count=wires.count, welded=wires.welded, clamped=support.clamped)
     same = square(section)
     sets = {"CROSSINGS": np.flatnonzero(whole.between == 0), "RIM": _wire_ends(whole)}
     lines = (*heading(run, f"FE deck, {what}"), *_told(run, section.diameter))
@@ -175,7 +177,9 @@ def _standing(support: Support, whole: Whole) -> Support:
     rows = [_rigid(places[node], axis) for node, axis in np.argwhere(fixed).tolist()]
     for node, axis in wanted:
         more = [*rows, _rigid(places[node], axis)]
-        if np.linalg.matrix_rank(np.array(more), tol=1e-6) > (np.linalg.matrix_rank(np.array(rows), tol=1e-6) if rows else 0):
+        if np.linalg.matrix_rank(np.array(more), tol=1e-6) > (
+            np.linalg.matrix_rank(np.array(rows), tol=1e-6) if rows else 0
+        ):
             rows, fixed[node, axis] = more, True
     return Support(support.clamped, fixed)
 
@@ -195,5 +199,7 @@ def _refuse(run: Run) -> None:
         )
     if isinstance(run.case.grid.crossing, CrossingSpring):
         raise InputError.of(
-            "an FE deck has no springs at crossings", where="grid.crossing", hint="export a run with pinned or welded ones"
+            "an FE deck has no springs at crossings",
+            where="grid.crossing",
+            hint="export a run with pinned or welded ones",
         )
