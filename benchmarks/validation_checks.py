@@ -1,4 +1,4 @@
-"""The checks of docs/validation.md: each computes one figure and knows what it must be, from elsewhere than this program.
+"""The checks of docs/validation.md: each computes one figure and knows, from elsewhere, what it must be.
 
 They use the functions of the tests, which hold the same figures and many more; `test` names where.
 """

@@ -80,6 +80,6 @@ def test_links_out_of_the_pages_find_their_place(load: Load) -> None:
 )
 def test_cited_equations_become_links(load: Load, text: str, names: list[str]) -> None:
     equations = load("equations")
-    chains = [chain for chain in equations.CHAIN.finditer(text)]
+    chains = list(equations.CHAIN.finditer(text))
     found = [one.groups() for chain in chains for one in equations.ONE.finditer(text, chain.start(), chain.end())]
     assert [equations.anchor(*one) for one in found] == names
