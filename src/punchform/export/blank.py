@@ -87,7 +87,7 @@ def rim_lines(run: Run) -> Iterator[tuple[Floats, bool]]:
 def _edge(blank: Blank, cuts: Sequence[Cut]) -> Floats:
     """How far the blank reaches along x and along y, (2,) [mm]."""
     if isinstance(blank, WiresBlank):
-        return np.abs([end for cut in cuts for end in (cut.start, cut.end)]).max(axis=0)
+        return np.asarray(np.abs([end for cut in cuts for end in (cut.start, cut.end)]).max(axis=0))
     return np.array(reach(blank)[:2])
 
 

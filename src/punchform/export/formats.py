@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,21 +21,12 @@ Files = tuple[Path, ...]
 class Format:
     """A format: what its files are for, and the module and function that write them, imported when it is asked for.
 
-    needs: the module of an extra that it cannot do without, none for most; shells: the module and function for
-    gridshells, none where the format shows what they do not have.
+    shells: the module and function for gridshells, None where the format shows what they do not have.
     """
 
     what: str
     place: str
-    needs: str | None = None
     shells: str | None = None
-
-    @property
-    def there(self) -> bool:
-        """Whether what it needs is installed."""
-        if self.needs is None:
-            return True
-        return find_spec(self.needs.partition(".")[0]) is not None and find_spec(self.needs) is not None
 
     def write(self, run: Run | Shell, folder: Path) -> Files:
         """Write the files of a run or a gridshell into a folder and return them. Raises InputError for what it does not
@@ -51,21 +41,13 @@ class Format:
 
 FORMATS = {
     "ccx": Format("the wires as beams with the forces in them, for CalculiX", "fe_deck:write_decks"),
-    "csv": Format("nodes and wires of every stage as tables", "csv_tables:csv_files", shells="shell_files:shell_csv"),
-    "dxf": Format(
-        "the flat blank with its cut list, and the wires in space", "dxf:dxf_files", shells="shell_files:shell_dxf"
-    ),
+    "csv": Format("nodes and wires of every stage as tables", "csv_tables:csv_files", "shell_files:shell_csv"),
+    "dxf": Format("the flat blank, its cut list, and the wires in space", "dxf:dxf_files", "shell_files:shell_dxf"),
     "grasp": Format("formed, released and wanted surface with their rim, for GRASP", "grasp:write_grasp"),
     "points": Format("crossings and target with normals, for measuring machines", "points:point_files"),
-    "step": Format(
-        "B-spline surfaces of the grid, and the punch as a solid", "step:step_files", needs="OCP.collections"
-    ),
+    "step": Format("B-spline surfaces of the grid, and the punch as a solid", "step:step_files"),
     "stl": Format("the punch as a closed solid of facets", "stl:stl_files"),
-    "vtp": Format("the wires with all their fields, for ParaView", "vtp:vtp_files", shells="shell_files:shell_vtp"),
-    "vtu": Format(
-        "wires and cells of every shape with all that is known, for ParaView",
-        "vtu:vtu_files",
-        shells="shell_files:shell_vtu",
-    ),
+    "vtp": Format("the wires with all their fields, for ParaView", "vtp:vtp_files", "shell_files:shell_vtp"),
+    "vtu": Format("wires and cells of every shape, all fields", "vtu:vtu_files", "shell_files:shell_vtu"),
 }
 """All formats by the names that the command line takes."""
