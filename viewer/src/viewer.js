@@ -11,7 +11,7 @@ import { panel } from "./panel.js";
 import { unpack } from "./payload.js";
 import { crossings, neighbour, pick, spotOf } from "./picking.js";
 import { play } from "./playing.js";
-import { drawn, figures, quantitiesOf, rangeOf } from "./shapes.js";
+import { alongWires, drawn, figures, quantitiesOf, rangeOf } from "./shapes.js";
 import { skinOf } from "./skins.js";
 import { canDraw, stageOn } from "./stage.js";
 import { watchTheme } from "./theme.js";
@@ -196,7 +196,9 @@ class Viewer {
     const pose = scene.poses[shape];
     drawn(scene, state.time, state.reference, state.times, this.points);
     const key = `${state.colour}|${shape}`;
-    const told = quantity ? figures(pose, quantity) : null;
+    let told = quantity ? figures(pose, quantity) : null;
+    if (told && quantity.place === "node") told = alongWires(scene, told);
+    this.told = told;
     for (const [name, wires] of this.families) {
       wires.place(this.points);
       if (this.coloured !== key) wires.colour(quantity, told);
