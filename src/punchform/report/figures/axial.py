@@ -16,6 +16,7 @@ from punchform.report.figures.style import (
     in_colour,
     new_figure,
     plan_axes,
+    touching,
     wire_width,
 )
 
@@ -38,7 +39,9 @@ def draw_axial(run: Run, family: int, whole: Whole | None = None) -> Figure:
     axes = plan_axes(figure, points=whole.positions, rim=run.case.rim_radius)
     axes.set_facecolor(PAPER)
     # The wires of a family lie side by side at the step of the other family.
-    width = wire_width(axes, run.case.grid.step[2 - family])
-    axes.add_collection(in_colour(segments, force, scale, DIVERGING, width=width))
+    apart = run.case.grid.step[2 - family]
+    drawn = in_colour(segments, force, scale, DIVERGING, width=wire_width(axes, apart))
+    drawn.set_antialiased(not touching(axes, apart))
+    axes.add_collection(drawn)
     force_bar(figure, scale, "axial force F1 [N]   (+ tension)")
     return figure

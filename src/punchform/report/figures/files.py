@@ -18,12 +18,19 @@ from matplotlib import rc_context
 from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import Collection
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 from PIL import Image
+
+from punchform.report.figures.style import PAPER
 
 RASTER = 190
 """Resolution [dpi] of what is rasterised inside an SVG."""
 COLOURS = 256
+BLENDS = 63
+"""So many colours are left where lines are blended with the paper."""
+METHOD = Image.Quantize.MEDIANCUT
 FONTS = "DejaVu Sans, Verdana, Segoe UI, Roboto, Helvetica, Arial, sans-serif"
 NO_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 PLAIN = "!$&'()*+,-./:;=?@[]_~ <>{}|^"
@@ -41,13 +48,15 @@ def png(figure: Figure) -> bytes:
     canvas: Any = FigureCanvasAgg(figure)
     canvas.draw()
     drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())[:, :, :3])
-    return _few_colours(drawn, Image.Quantize.MEDIANCUT)
+    written = BytesIO()
+    drawn.quantize(COLOURS, method=METHOD, dither=Image.Dither.NONE).save(written, format="png", compress_level=6)
+    return written.getvalue()
 
 
 def svg(figure: Figure) -> str:
     """The figure as SVG without background, its dense parts one picture each; letters stay letters."""
-    for artist in figure.findobj(_rasterised):
-        # Without blended edges a picture has no more colours than its scale.
+    for artist in figure.findobj(_filled):
+        # Cells without blended edges have no more colours than their scale; thin lines need the blend.
         artist.set_antialiased(False)  # type: ignore[attr-defined]
     drawn = BytesIO()
     with rc_context({"svg.hashsalt": "punchform", "svg.fonttype": "none"}):
@@ -66,8 +75,8 @@ def address(path: Path) -> str:
     return "data:image/svg+xml," + quote(path.with_suffix(".svg").read_text(encoding="utf-8"), safe=PLAIN)
 
 
-def _rasterised(artist: Artist) -> bool:
-    return bool(artist.get_rasterized()) and isinstance(artist, Collection)
+def _filled(artist: Artist) -> bool:
+    return isinstance(artist, Collection) and bool(artist.get_rasterized()) and len(artist.get_facecolor()) > 0
 
 
 def _rounded(places: re.Match[str]) -> str:
@@ -76,12 +85,26 @@ def _rounded(places: re.Match[str]) -> str:
 
 
 def _smaller(picture: re.Match[str]) -> str:
-    image = Image.open(BytesIO(base64.b64decode(picture[1])))
-    return "data:image/png;base64," + base64.b64encode(_few_colours(image, Image.Quantize.FASTOCTREE)).decode("ascii")
+    image = Image.open(BytesIO(base64.b64decode(picture[1]))).convert("RGBA")
+    return "data:image/png;base64," + base64.b64encode(_indexed(np.asarray(image))).decode("ascii")
 
 
-def _few_colours(image: Image.Image, method: Image.Quantize) -> bytes:
+def _indexed(pixels: NDArray[np.uint8]) -> bytes:
+    """Pixels (n, m, 4) as PNG with a palette: exact where 256 colours are enough, else the blends on paper merged."""
+    codes, number = np.unique(pixels.view(np.uint32), return_inverse=True)
+    number = number.reshape(pixels.shape[:2])
+    if len(codes) <= COLOURS:
+        palette = codes.view(np.uint8).reshape(-1, 4)
+    else:
+        share = pixels[:, :, 3:] / 255.0
+        blended = (share * pixels[:, :, :3] + (1.0 - share) * np.array(to_rgb(PAPER)) * 255.0).round().astype(np.uint8)
+        few = Image.fromarray(blended).quantize(BLENDS, method=METHOD, dither=Image.Dither.NONE)
+        found = np.array(few.getpalette() or (), np.uint8).reshape(-1, 3)[:BLENDS]
+        opaque = np.column_stack((found, np.full(len(found), 255, np.uint8)))
+        palette = np.concatenate((opaque, np.zeros((1, 4), np.uint8)))
+        number = np.where(pixels[:, :, 3] == 0, len(found), np.asarray(few))
+    image = Image.fromarray(number.astype(np.uint8))
+    image.putpalette(palette[:, :3].tobytes())
     written = BytesIO()
-    few = image.quantize(COLOURS, method=method, dither=Image.Dither.NONE)
-    few.save(written, format="png", compress_level=6)
+    image.save(written, format="png", compress_level=6, transparency=palette[:, 3].tobytes())
     return written.getvalue()

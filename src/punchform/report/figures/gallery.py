@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 HARDENED = (
     "Plan view. The largest stress in each wire piece, both families, as if each section had yielded throughout. Where "
-    "it is above the yield strength the wire has hardened."
+    "it is above the yield strength the wire has hardened. On fine grids the larger value lies on top."
 )
 """How to read the stress of wires that yield."""
 
@@ -71,7 +71,7 @@ GALLERY = (
         "stress",
         "Stress in the wires, in the tool",
         "Plan view. The largest stress in each wire piece, both families. Where it passes the yield strength the wire "
-        "stays bent, which this elastic answer does not follow.",
+        "stays bent, which this elastic answer does not follow. On fine grids the larger value lies on top.",
         draw_stress,
     ),
     Picture(

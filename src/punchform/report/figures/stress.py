@@ -18,6 +18,7 @@ from punchform.report.figures.style import (
     in_colour,
     new_figure,
     plan_axes,
+    touching,
     wire_width,
 )
 
@@ -43,7 +44,12 @@ def draw_pieces(run: Run, whole: Whole, values: Floats, label: str, reach: float
     figure = new_figure(*HALF)
     axes = plan_axes(figure, points=whole.positions, rim=run.case.rim_radius)
     axes.set_facecolor(PAPER)
-    width = 0.6 * wire_width(axes, min(run.case.grid.step))
-    axes.add_collection(in_colour(segments, values[known], scale, SEQUENTIAL, width=width))
+    apart = min(run.case.grid.step)
+    dense = touching(axes, apart)
+    # Shades are drawn in their order: where wires of a dense grid cover each other the larger value is on top.
+    width = wire_width(axes, apart) * (1.0 if dense else 0.6)
+    drawn = in_colour(segments, values[known], scale, SEQUENTIAL, width=width)
+    drawn.set_antialiased(not dense)
+    axes.add_collection(drawn)
     colour_bar(figure, PLAN_BAR, scale, SEQUENTIAL, label)
     return figure

@@ -32,6 +32,8 @@ INK, SOFT, PALE, PAPER = "#1d2733", "#6b7785", "#d8dde3", "#f1f3f5"
 PUNCH, ACCENT = "#b4491f", "#1f5f99"
 SEQUENTIAL, DIVERGING, RELIEF = "YlGnBu", "RdBu_r", "cividis"
 TEXT = 9.0
+DENSE = 3.5
+"""Wires that lie less far apart [pt] are drawn touching."""
 
 
 class Drawn(Figure):
@@ -111,11 +113,15 @@ def points_per_mm(axes: Axes) -> float:
     return float(axes.bbox.width) * 72 / DPI / (high - low)
 
 
+def touching(axes: Axes, apart: float) -> bool:
+    """Whether wires that lie so far apart [mm] are drawn without gaps, which would only make a moiré."""
+    return apart * points_per_mm(axes) <= DENSE
+
+
 def wire_width(axes: Axes, apart: float) -> float:
     """The width of lines [pt] for wires that lie so far apart [mm]."""
-    apart = apart * points_per_mm(axes)
-    # Gaps of less than half a point would only make a moiré: such wires are drawn touching.
-    return min(0.75 * apart, 2.5) if apart > 2 else 1.1 * apart
+    points = apart * points_per_mm(axes)
+    return 1.1 * points if touching(axes, apart) else min(0.75 * points, 2.5)
 
 
 def squares(points: Floats, step: tuple[float, float]) -> Floats:
