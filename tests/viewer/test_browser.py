@@ -351,14 +351,19 @@ def test_without_javascript_the_page_says_so(show: Opener) -> None:
     assert "needs JavaScript" in tab.page.locator("#viewer noscript").inner_text()
 
 
-def test_a_print_has_a_still(show: Opener) -> None:
-    tab = show()
+def test_a_print_has_a_still_on_light_ground(show: Opener) -> None:
+    tab = show(color_scheme="dark")
+    assert tab.js("viewer.ground") == "dark"
     tab.page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    assert tab.js("viewer.ground") == "light"
     tab.page.emulate_media(media="print")
     still = tab.page.locator(".pf-still")
     assert still.is_visible()
     assert (still.get_attribute("src") or "").startswith("data:image/png;base64,")
     assert not tab.page.locator(".pf-tools").is_visible()
+    tab.page.evaluate("window.dispatchEvent(new Event('afterprint'))")
+    tab.page.emulate_media(media="screen")
+    assert tab.js("viewer.ground") == "dark"
 
 
 def test_viewers_side_by_side_have_one_range_from_the_start(show: Opener) -> None:

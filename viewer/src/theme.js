@@ -4,7 +4,7 @@ const NAMES = ["stage", "missing", "punch", "target", "family1", "family2"];
 
 /** The colours of an element's theme; `changed` is called when the page or the system takes another. */
 export function watchTheme(root, changed) {
-  const theme = { colours: {}, ground: "light" };
+  const theme = { colours: {}, ground: "light", read };
   function read() {
     const style = getComputedStyle(root);
     theme.colours = Object.fromEntries(NAMES.map((name) => [name, style.getPropertyValue(`--pf-${name}`)]));

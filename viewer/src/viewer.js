@@ -119,7 +119,11 @@ class Viewer {
     canvas.addEventListener("keydown", (event) => {
       if (pressed(event, this.scene, this.state, (asked) => this.ask(asked), act)) event.preventDefault();
     });
-    window.addEventListener("beforeprint", () => this.hold());
+    window.addEventListener("beforeprint", () => {
+      this.lighten(true);
+      this.hold();
+    });
+    window.addEventListener("afterprint", () => this.lighten(false));
   }
 
   dress() {
@@ -343,6 +347,13 @@ class Viewer {
       this.between = lengths.sort((a, b) => a - b)[lengths.length >> 1] ?? 1;
     }
     return this.between;
+  }
+
+  /** Paper is light whatever the theme of the screen. */
+  lighten(on) {
+    this.root.classList.toggle("pf-light", on);
+    this.theme.read();
+    this.coloursOfTheGround();
   }
 
   picture() {
