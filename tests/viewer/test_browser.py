@@ -363,7 +363,7 @@ def test_a_print_has_a_still_on_light_ground(show: Opener) -> None:
     assert not tab.page.locator(".pf-tools").is_visible()
     tab.page.evaluate("window.dispatchEvent(new Event('afterprint'))")
     tab.page.emulate_media(media="screen")
-    assert tab.js("viewer.ground") == "dark"
+    tab.page.wait_for_function(f"{VIEWER}.ground === 'dark'")
 
 
 def test_viewers_side_by_side_have_one_range_from_the_start(show: Opener) -> None:

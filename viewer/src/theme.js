@@ -16,6 +16,6 @@ export function watchTheme(root, changed) {
   }
   read();
   new MutationObserver(again).observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
-  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
+  for (const asked of ["(prefers-color-scheme: dark)", "print"]) window.matchMedia(asked).addEventListener("change", again);
   return theme;
 }
