@@ -75,7 +75,7 @@ def test_heights_are_written_with_y_fastest() -> None:
     text = sfc("words", Surface("bump", z, 2.0))
     assert text.split() == [
         "words",
-        *"-2 -2 2 2 3 3".split(),
+        *("-2", "-2", "2", "2", "3", "3"),
         *(f"{one:.7f}" for one in (-22, -20, -18, -2, 0, 2, 18, 20, 22)),
     ]
     again = read_sfc(text)
@@ -88,17 +88,20 @@ def crossings(step: float) -> Floats:
     line = step * np.arange(-int(1.15 * RADIUS / step), int(1.15 * RADIUS / step) + 1)
     x, y = (part.ravel() for part in np.meshgrid(line, line, indexing="ij"))
     near = np.hypot(x, y) <= 1.15 * RADIUS
-    return np.column_stack((x + 0.2 * step * np.sin(y / 17.0), y))[near]
+    places: Floats = np.column_stack((x + 0.2 * step * np.sin(y / 17.0), y))[near]
+    return places
 
 
 def paraboloid(places: Floats) -> Floats:
-    return np.asarray((places**2).sum(axis=1) / 400.0)
+    x, y = places.T
+    return np.asarray((x * x + y * y) / 400.0)
 
 
 def lobes(places: Floats) -> Floats:
     """A dish that has sunk by 1 mm in four patches, as grids do."""
     x, y = places.T
-    return paraboloid(places) + np.cos(4 * np.arctan2(y, x)) * (np.hypot(x, y) / RADIUS) ** 4 * np.cos(x / 40.0)
+    sunk = np.cos(4 * np.arctan2(y, x)) * (np.hypot(x, y) / RADIUS) ** 4 * np.cos(x / 40.0)
+    return np.asarray(paraboloid(places) + sunk, dtype=np.float64)
 
 
 def error(step: float) -> float:
@@ -209,4 +212,14 @@ def test_a_rim_with_too_few_crossings_is_refused(tmp_path: Path) -> None:
     small = done.case.target.model_copy(update={"aperture_radius": 9.0})
     with pytest.raises(InputError, match="too few for a surface"):
         write_grasp(replace(done, case=done.case.model_copy(update={"target": small})), tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_shape_that_heights_cannot_show_is_refused(tmp_path: Path) -> None:
+    done = released()
+    whole = done.formed.whole
+    cliff = whole.positions + np.where(whole.positions[:, :1] > 1.0, 300.0, 0.0) * (0.0, 0.0, 1.0)
+    formed = replace(done.formed, whole=replace(whole, positions=cliff))
+    with pytest.raises(InputError, match="too steep or too rough"):
+        write_grasp(replace(done, formed=formed), tmp_path)
     assert not list(tmp_path.iterdir())

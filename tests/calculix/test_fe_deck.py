@@ -24,6 +24,7 @@ from punchform.prepare import prepare
 from punchform.release import Released
 from punchform.run import Run, run
 from punchform.solved import Shaped, bars_of
+from punchform.store import load_run, write_run
 from punchform.whole import unfold_loads
 from punchform.wire import round_section
 
@@ -96,11 +97,10 @@ def test_loads_on_the_ends_balance_and_add_up_to_what_holds_the_grid(make: objec
     assert np.abs(held[free]).max() < slack
 
 
-def test_what_wires_that_yield_remember_follows_from_their_modes() -> None:
-    """The loads with the history of the solve are those without it, as of a run that was read back."""
+def test_tools_push_wires_that_have_flowed_as_the_press_says() -> None:
+    """What they remember, which is not kept with a run, follows from their modes: else these forces were others."""
     done = dish()
     stage = done.formed
-    assert stage.state.history is not None
     bars = bars_of(prepare(done.case).elements, done.case.framed(done.case.press))
     solved = slice(stage.grid.elements)
     loads = end_loads(stage.grid, stage.state, bars, stage.whole.D[solved], stage.whole.F[solved])
@@ -190,6 +190,16 @@ def test_the_same_run_gives_the_same_bytes_and_a_head_that_tells_units(tmp_path:
         assert "** units: lengths mm" in text
         assert "** frame: " in text
         assert "nan" not in text
+
+
+def test_a_run_read_back_has_the_same_decks(tmp_path: Path) -> None:
+    done = dish()
+    again = load_run(write_run(done, tmp_path / "run"))
+    for name, one in (("first", done), ("again", again)):
+        (tmp_path / name).mkdir()
+        files = write_decks(one, tmp_path / name)
+    for file in files:
+        assert file.read_bytes() == (tmp_path / "first" / file.name).read_bytes()
 
 
 def test_a_grid_that_is_not_let_go_is_held_in_its_tool(tmp_path: Path) -> None:

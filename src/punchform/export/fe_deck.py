@@ -126,10 +126,10 @@ def _text(
 def _told(run: Run, diameter: float) -> Iterator[str]:
     """What to know of a deck."""
     wire = run.case.wire
-    yield "written for CalculiX (ccx); node n is row n of nodes.csv, in the middle of its crossing; further nodes follow"
-    yield "wires: beams along their bent centrelines; as one brick their square section resists pull, bending and twist"
-    yield f"  as the round wire of {diameter:g} mm does, E = {wire.youngs_modulus:g} MPa, Poisson's ratio {wire.poisson:g}"
-    yield "crossings: stiff arms along the normal (ARMS); *EQUATION ties centres and tips: one free turn about the normal"
+    yield "written for CalculiX (ccx); node n is row n of nodes.csv, in the middle of its crossing; more nodes follow"
+    yield "wires: beams along their bent centrelines; as a brick a square section resists pull, bending and twist"
+    yield f"  as the round wire of {diameter:g} mm does with E = {wire.youngs_modulus:g} MPa and nu = {wire.poisson:g}"
+    yield "crossings: stiff arms along the normal (ARMS); *EQUATION ties centres and tips, so wires turn about the normal"
     yield "*INITIAL CONDITIONS: the forces and moments in the wires; without them the grid is another, free of stress"
     if wire.yields:
         yield "the wires have flowed: they are elastic about this state, crimped as when new, and do not yield further"

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 FINER = 2.0
 """How many times finer than the wires the grid of a surface is."""
+ROUGH = 0.1
+"""Crossings this far from the heights that are written, as a part of the step, are not what they show."""
 CORNERS = 360
 """Points of the rim."""
 RIM, OBJECTS = "dish.rim", "dish.tor"
@@ -54,8 +56,8 @@ class Surface:
 def write_grasp(run: Run, folder: Path) -> tuple[Path, ...]:
     """Write the formed surface, the released one and the target of a run, those that there are, with rim and objects.
 
-    The rim is the aperture of the target, or that of the punch. Raises InputError for a rim without enough crossings,
-    OSError.
+    The rim is the aperture of the target, or that of the punch. Raises InputError for a rim without enough crossings
+    or with a steep edge, OSError.
     """
     target = None if run.accuracy is None else run.accuracy.target
     found = surfaces(run, target)
@@ -69,7 +71,7 @@ def write_grasp(run: Run, folder: Path) -> tuple[Path, ...]:
 
 
 def surfaces(run: Run, target: Target | None) -> list[Surface]:
-    """The surfaces of a run in the vertex frame. Raises InputError for a rim with too few crossings in it."""
+    """The surfaces of a run in the vertex frame. Raises InputError for one too steep, or with few crossings."""
     radius = run.case.tool.rim_radius if run.case.target is None else run.case.target.aperture_radius
     apex = prepare(run.case).punch.height_at_axis if target is None else target.apex_height
     step = max(run.case.grid.step)
@@ -91,6 +93,13 @@ def surfaces(run: Run, target: Target | None) -> list[Surface]:
             )
         z = heights(points, places, radius=radius, step=step).reshape(count, count)
         found.append(Surface(name, z, radius, _missed(line, z, inside)))
+        if found[-1].missed > ROUGH * step:
+            raise InputError.of(
+                f"the {name} grid is too steep or too rough for heights over x and y within {radius:g} mm: they miss "
+                f"crossings by {found[-1].missed:.2g} mm",
+                where="grasp",
+                hint="give the case a [target] with a smaller aperture_radius",
+            )
     if target is not None:
         shape = target.shape(target.pose)
         below = shape.height_at_axis - shape.height(places * FLIP[:2])
