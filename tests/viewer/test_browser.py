@@ -16,9 +16,10 @@ import pytest
 import stretched
 import tiny_dish
 
+from punchform.arrays import Floats
 from punchform.case.reading import case_from_text
 from punchform.report.page import render
-from punchform.report.viewer import pack, program, scene_of, style
+from punchform.report.viewer import Scene, pack, program, scene_of, style
 from punchform.report.viewer.payload import SHARE
 from punchform.run import Run, run
 
@@ -90,9 +91,20 @@ def shallow() -> Run:
 
 
 @cache
+def divided() -> Run:
+    """The dish with a node between each two crossings."""
+    return run(case_from_text(tiny_dish.TEXT.replace('step = "10 mm"', 'step = "10 mm"\nsubdivide = 2')))
+
+
+def figure_of(scene: Scene, key: str) -> Floats:
+    """A figure of the shape in the tool."""
+    return next(one.values for one in scene.poses[1].figures if one.key == key)
+
+
+@cache
 def html(*made: str) -> str:
     """The page of runs, without its figures."""
-    runs = {"dish": dish, "stretched": stretched.dish, "shallow": shallow}
+    runs = {"dish": dish, "stretched": stretched.dish, "shallow": shallow, "divided": divided}
     scenes = tuple(pack(scene_of(runs[name](), name), f"scene-{number}") for number, name in enumerate(made))
     return render(
         dish().case, subtitle="", good=True, verdict=("Fine.",), results=(), details_title="Details", details=(),
@@ -108,7 +120,7 @@ class Opener:
     folder: Path
 
     def __call__(self, *made: str, ready: bool = True, script: str = "", text: str = "", **options: Any) -> Tab:
-        context = self.browser.new_context(**({"viewport": {"width": 1280, "height": 900}} | options))
+        context = self.browser.new_context(**({"viewport": {"width": 1000, "height": 800}} | options))
         tab = Tab(context.new_page())
         tab.page.on("console", lambda message: tab.said.append(message.text))
         tab.page.on("pageerror", lambda error: tab.said.append(str(error)))
@@ -226,6 +238,18 @@ def test_a_figure_not_told_of_a_shape_takes_one_of_which_it_is(show: Opener) -> 
     assert "not told of the shape" in tab.page.locator(".pf-extent").inner_text()
 
 
+def test_wires_cut_between_crossings_are_coloured_along_their_length(show: Opener) -> None:
+    tab = show("divided")
+    tab.js("viewer.ask({ time: 1, colour: 'shear' })")
+    values = tab.js("[...viewer.told]")
+    scene = scene_of(divided())
+    known = np.isfinite(figure_of(scene, "shear"))
+    assert not known[scene.between > 0].any()
+    assert np.array_equal(np.array(values) > -1e29, known | (scene.between > 0))
+    tab.click(int(np.flatnonzero(scene.between)[0]))
+    assert "shear" not in tab.numbers()
+
+
 def test_moves_are_enlarged_from_their_reference(show: Opener) -> None:
     tab, done = show(), dish()
     assert done.released is not None
@@ -327,14 +351,19 @@ def test_without_javascript_the_page_says_so(show: Opener) -> None:
     assert "needs JavaScript" in tab.page.locator("#viewer noscript").inner_text()
 
 
-def test_a_print_has_a_still(show: Opener) -> None:
-    tab = show()
+def test_a_print_has_a_still_on_light_ground(show: Opener) -> None:
+    tab = show(color_scheme="dark")
+    assert tab.js("viewer.ground") == "dark"
     tab.page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    assert tab.js("viewer.ground") == "light"
     tab.page.emulate_media(media="print")
     still = tab.page.locator(".pf-still")
     assert still.is_visible()
     assert (still.get_attribute("src") or "").startswith("data:image/png;base64,")
     assert not tab.page.locator(".pf-tools").is_visible()
+    tab.page.evaluate("window.dispatchEvent(new Event('afterprint'))")
+    tab.page.emulate_media(media="screen")
+    tab.page.wait_for_function(f"{VIEWER}.ground === 'dark'")
 
 
 def test_viewers_side_by_side_have_one_range_from_the_start(show: Opener) -> None:

@@ -33,9 +33,8 @@ export function legend() {
         .map((one) => element("span", { class: "pf-mark", style: `left:${100 * share(one.value)}%`, title: one.label }));
       bar.replaceChildren(...noted);
       marks.replaceChildren(...told);
-      const beyond = range.least < range.low || range.largest > range.high ? ", beyond the ends in the last colours" : "";
-      const least = significant(range.least, 4);
-      const words = [`from ${least} to ${withUnit(significant(range.largest, 4), quantity.unit)}${beyond}`];
+      const [least, largest] = [significant(range.least, 4), withUnit(significant(range.largest, 4), quantity.unit)];
+      const words = [`all values from ${least} to ${largest}`];
       const named = quantity.marks.filter((one) => one.label);
       if (named.length && noted.length) {
         words.push(`line: ${named[0].label} ${withUnit(significant(Math.abs(named[0].value), 4), quantity.unit)}`);

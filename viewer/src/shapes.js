@@ -50,6 +50,26 @@ export function figures(pose, quantity) {
   return values;
 }
 
+/** Figures of nodes for drawing: nodes between crossings, of which none is known, take the mean of their neighbours. */
+export function alongWires(scene, values) {
+  const rounds = scene.between.reduce((most, one) => Math.max(most, one), 0);
+  for (let round = 0; round < rounds; round += 1) {
+    const known = values.slice();
+    const sum = new Float32Array(values.length);
+    const count = new Uint8Array(values.length);
+    for (let piece = 0; piece < scene.pieces; piece += 1) {
+      const [a, b] = [scene.start[piece], scene.end[piece]];
+      for (const [node, other] of [[a, b], [b, a]]) {
+        if (scene.between[node] === 0 || known[node] > NOTHING / 2 || known[other] <= NOTHING / 2) continue;
+        sum[node] += known[other];
+        count[node] += 1;
+      }
+    }
+    for (let node = 0; node < values.length; node += 1) if (count[node]) values[node] = sum[node] / count[node];
+  }
+  return values;
+}
+
 /** Positions of all nodes for drawing (3 n), NaN where a node is not there: pose number `time` and part of the way on,
  * moves from the named reference enlarged. */
 export function drawn(scene, time, reference, times, into) {

@@ -4,7 +4,7 @@ const NAMES = ["stage", "missing", "punch", "target", "family1", "family2"];
 
 /** The colours of an element's theme; `changed` is called when the page or the system takes another. */
 export function watchTheme(root, changed) {
-  const theme = { colours: {}, ground: "light" };
+  const theme = { colours: {}, ground: "light", read };
   function read() {
     const style = getComputedStyle(root);
     theme.colours = Object.fromEntries(NAMES.map((name) => [name, style.getPropertyValue(`--pf-${name}`)]));
@@ -16,6 +16,6 @@ export function watchTheme(root, changed) {
   }
   read();
   new MutationObserver(again).observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
-  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
+  for (const asked of ["(prefers-color-scheme: dark)", "print"]) window.matchMedia(asked).addEventListener("change", again);
   return theme;
 }

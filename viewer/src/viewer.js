@@ -11,7 +11,7 @@ import { panel } from "./panel.js";
 import { unpack } from "./payload.js";
 import { crossings, neighbour, pick, spotOf } from "./picking.js";
 import { play } from "./playing.js";
-import { drawn, figures, quantitiesOf, rangeOf } from "./shapes.js";
+import { alongWires, drawn, figures, quantitiesOf, rangeOf } from "./shapes.js";
 import { skinOf } from "./skins.js";
 import { canDraw, stageOn } from "./stage.js";
 import { watchTheme } from "./theme.js";
@@ -119,7 +119,11 @@ class Viewer {
     canvas.addEventListener("keydown", (event) => {
       if (pressed(event, this.scene, this.state, (asked) => this.ask(asked), act)) event.preventDefault();
     });
-    window.addEventListener("beforeprint", () => this.hold());
+    window.addEventListener("beforeprint", () => {
+      this.lighten(true);
+      this.hold();
+    });
+    window.addEventListener("afterprint", () => this.lighten(false));
   }
 
   dress() {
@@ -196,7 +200,9 @@ class Viewer {
     const pose = scene.poses[shape];
     drawn(scene, state.time, state.reference, state.times, this.points);
     const key = `${state.colour}|${shape}`;
-    const told = quantity ? figures(pose, quantity) : null;
+    let told = quantity ? figures(pose, quantity) : null;
+    if (told && quantity.place === "node") told = alongWires(scene, told);
+    this.told = told;
     for (const [name, wires] of this.families) {
       wires.place(this.points);
       if (this.coloured !== key) wires.colour(quantity, told);
@@ -341,6 +347,13 @@ class Viewer {
       this.between = lengths.sort((a, b) => a - b)[lengths.length >> 1] ?? 1;
     }
     return this.between;
+  }
+
+  /** Paper is light whatever the theme of the screen. */
+  lighten(on) {
+    this.root.classList.toggle("pf-light", on);
+    this.theme.read();
+    this.coloursOfTheGround();
   }
 
   picture() {

@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 SHEAR = Quantity(
     "shear",
-    "shear angle, mean of the cells around a node",
+    "shear angle",
     "°",
     "node",
     signed=True,
-    note="+ where the angle between +x and +y wires closes",
+    note="mean of the cells around a node, + where the corner of +x and +y closes",
 )
 CONTACT = Quantity("contact_force", "contact force", "N", "node", signed=True, note="+ punch pushes, − held down")
 AXIAL = Quantity("axial_force", "axial force F1", "N", "wire", signed=True, note="+ tension")
