@@ -100,7 +100,9 @@ def test_the_folder_is_a_run_that_is_read_back(tmp_path: Path, capsys: pytest.Ca
         "report.html",
     }
     figures = {path.name for path in (folder / "figures").iterdir()}
-    assert figures == {"shape.png", "axial_x.png", "axial_y.png", "stress.png"}
+    assert figures == {
+        f"{name}.{kind}" for name in ("shape", "axial_x", "axial_y", "stress") for kind in ("png", "svg")
+    }
     assert read_case(folder / "case.toml") == read_case(PACKAGED)
     stored, formed = read_run(folder), by_hand()
     told = stored.result["formed"]
