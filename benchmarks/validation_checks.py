@@ -1,4 +1,4 @@
-"""The checks of docs/validation.md: each computes one figure and knows what it must be, from elsewhere than this program.
+"""The checks of docs/validation.md: each computes one figure and knows, from elsewhere, what it must be.
 
 They use the functions of the tests, which hold the same figures and many more; `test` names where.
 """
@@ -13,7 +13,9 @@ from pathlib import Path
 import numpy as np
 
 TESTS = Path(__file__).resolve().parents[1] / "tests"
-sys.path[:0] = [str(TESTS / room) for room in ("", "limits", "calculix", "net", "accuracy", "wire", "mechanics", "optimise")]
+sys.path[:0] = [
+    str(TESTS / room) for room in ("", "limits", "calculix", "net", "accuracy", "wire", "mechanics", "optimise")
+]
 
 
 @dataclass(frozen=True)
@@ -157,7 +159,14 @@ def check_case() -> Iterator[Check]:
     found = run(paper).formed.energy
     yield Check("energy, the paper's kinematics [mJ]", 7007.043, prototype, found, 7e-3, test)
     flat = run(check.changed(case, press={"start": "flat"})).formed.energy
-    yield Check("energy from the paper's flat start, over that from the net", 1.0, "the same minimum", flat / formed.energy, 1e-9, test)
+    yield Check(
+        "energy from the paper's flat start, over that from the net",
+        1.0,
+        "the same minimum",
+        flat / formed.energy,
+        1e-9,
+        test,
+    )
     full = run(check.changed(case, grid={"symmetry": "full"})).formed.energy
     yield Check("energy of the whole grid, over four quarters", 1.0, "symmetry", full / formed.energy, 1e-9, test)
     other = run(check.changed(case, solver={"linear": "scipy"})).formed.energy

@@ -1,6 +1,6 @@
 """How large a page with a viewer is, how long a browser takes to open it, and how fast the picture turns.
 
-    python benchmarks/viewer_pages.py --write docs/performance.md     # replaces the table between its markers
+    python benchmarks/viewer_pages.py --write docs/performance.md     # between `<!-- table: viewer -->` and its end
 
 Scenes are made of closed forms: a paraboloid pressed and let go, with the figures that a run has. Each page is opened
 in a headless Chromium that draws without a graphics card. Needs `pip install punchform[test]` and a Chromium.
@@ -24,6 +24,8 @@ from punchform.arrays import Floats
 from punchform.report.viewer import Figure, Pose, Quantity, Scene, Skin, pack, program, style
 
 RADIUS, FOCAL = 600.0, 500.0
+ROUGH = 1e-3
+"""What no neighbour foretells of a figure, as a share of the largest: real figures are as rough as that."""
 TURNS = 20
 FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 QUANTITIES = (
@@ -100,7 +102,11 @@ def _figures(x: Floats, lobes: Floats, force: Floats, weave: Floats, size: float
         moment,
         np.abs(moment) * 30 + np.abs(force),
     )
-    return tuple(Figure(quantity.key, told) for quantity, told in zip(QUANTITIES, values, strict=True))
+    noise = np.random.default_rng(1)
+    return tuple(
+        Figure(quantity.key, told + ROUGH * np.abs(told).max() * noise.standard_normal(len(told)))
+        for quantity, told in zip(QUANTITIES, values, strict=True)
+    )
 
 
 def _dome() -> Skin:

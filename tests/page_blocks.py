@@ -9,9 +9,8 @@ What a fenced block is, its language says, and remarks in HTML comments above it
     csv       is written, `<!-- file: NAME.csv -->`
     text      is read by people only; under `<!-- printed -->` it is what the program above it prints
 
-`<!-- run: COMMAND -->` runs a command that the page need not show, `<!-- begins with: how_to/index.md -->` writes the files
-of that page first. `<!-- held by: tests/X.py -->` leaves a block to the
-test of that name, which reads the page itself: searches that take minutes.
+`<!-- run: COMMAND -->` runs a command that the page need not show, `<!-- begins with: how_to/index.md -->` writes the
+files of that page first, `<!-- held by: tests/X.py -->` leaves a block to the test of that name, which reads the page.
 """
 
 from __future__ import annotations

@@ -21,6 +21,7 @@ PAGES = {
     "release_scaling.py": ("performance.md", ("release",)),
     "stretch_scaling.py": ("performance.md", ("stretch",)),
     "against_others.py": ("performance.md", ("others", "rods")),
+    "viewer_pages.py": ("performance.md", ("viewer",)),
     "descent_against_newton.py": ("paper.md", ("descent",)),
     "sweep_scaling.py": ("sweeps.md", ("sweep",)),
     "linear_solvers.py": ("decisions/linear-solver.md", ("solvers",)),

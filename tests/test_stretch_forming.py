@@ -49,7 +49,7 @@ profile = { kind = "paraboloid", focal_length = "100 mm" }
 aperture_radius = "80 mm"
 tolerance = "1 mm"
 """
-"""A dish of 200 mm, f/D = 0.5 as in the packaged case `stretch`, with a tenth of its crossings."""
+"""A dish of 200 mm, f/D = 0.5 as in the packaged case `dish600`, with a tenth of its crossings."""
 
 ELASTIC = 'hardening = "none"'
 UNREACHED = 'hardening = { kind = "linear", modulus = "2.5 GPa" }\nyield_strength = "19 GPa"'

@@ -1,7 +1,7 @@
-"""Links that leave the folder of pages: a repository viewer follows them, the site has these files as pages or as code.
+"""Links that leave the folder of pages: a repository viewer follows them, the site must not lose them.
 
-`../CHANGELOG.md` and its neighbours at the top of the repository are pages of the site too (docs/about/); other files are
-named without a link.
+`../CHANGELOG.md` and its neighbours at the top of the repository are pages of the site too (docs/about/); other files
+are named without a link.
 """
 
 from __future__ import annotations

@@ -16,11 +16,13 @@ NO_NUMBERS = {"new", "schema", "completion"}
 """Commands whose result is no table of numbers: a file, a schema (JSON already), a script."""
 
 ELSEWHERE = {
-    "compensate": "test_compensate_dish.py",
-    "tolerances": "test_tolerances.py",
-    "optimise": "test_optimise_command.py",
+    "compare": "test_compare.py",
+    "compensate": "optimise/test_compensate_dish.py",
+    "sweep": "optimise/test_sweep_command.py",
+    "tolerances": "optimise/test_tolerances.py",
+    "optimise": "optimise/test_optimise_command.py",
 }
-"""Commands that take their time, whose JSON is read in other tests, of the folder `optimise`."""
+"""Commands that take their time, whose JSON is read in other tests."""
 
 LINES = {
     "form": ["form", "dish.toml", "-o", "run"],
@@ -30,7 +32,6 @@ LINES = {
     "drape": ["drape", "dish.toml", "-o", "net"],
     "sensitivity": ["sensitivity", "dish.toml", "--vary", "wire.diameter"],
     "punch": ["punch", "dish.toml", "-o", "tool"],
-    "sweep": ["sweep", "dish.toml", "--over", "wire.diameter=0.7,0.8", "-o", "many", "--workers", "1"],
     "element": ["element", "dish.toml"],
     "materials": ["materials", "304 annealed"],
     "check": ["check", "dish.toml"],
@@ -45,7 +46,7 @@ def test_every_command_that_prints_numbers_offers_it() -> None:
     assert offering == set(COMMANDS) - NO_NUMBERS
     assert offering == set(LINES) | set(ELSEWHERE), "each of them is run"
     for name, file in ELSEWHERE.items():
-        tested = (Path(__file__).parents[1] / "optimise" / file).read_text(encoding="utf-8")
+        tested = (Path(__file__).parents[1] / file).read_text(encoding="utf-8")
         assert f'"{name}"' in tested
         assert '"--json"' in tested
 
@@ -62,10 +63,6 @@ def test_what_is_printed_is_json(
         assert printed.err == "", name
         content = json.loads(printed.out)
         assert content, name
-        if name == "form":
-            nodes = Path("run/nodes.csv").read_text(encoding="utf-8").splitlines()[1:]
-            released = [",".join(row.split(",")[5:8]) for row in nodes]
-            Path("points.csv").write_text("x,y,z\n" + "\n".join(released), encoding="utf-8")
 
 
 def test_what_goes_wrong_is_told_in_words_and_by_the_exit_code(

@@ -18,7 +18,7 @@ from punchform.cli import main
 from punchform.cli.exits import Exit
 from punchform.cli.stopping import Left, Stop, Terminated, stoppable
 
-SWEEP = ("sweep", "dish.toml", "--over", "wire.diameter=0.5 mm:0.9 mm:12", "-o", "cut")
+SWEEP = ("sweep", "dish.toml", "--over", "wire.diameter=0.5 mm:0.9 mm:12")
 DESIGNS = 12
 LONG = YIELDING.replace("strokes = 4", "strokes = 400").replace('step = "10 mm"', 'step = "5 mm"')
 """A press that takes longer than any test waits for it."""
@@ -50,33 +50,30 @@ def rows(folder: Path) -> list[dict[str, str]]:
         return [{name: cell for name, cell in row.items() if "seconds" not in name} for row in csv.DictReader(file)]
 
 
-def test_a_sweep_that_is_stopped_goes_on_to_the_same_end(tmp_path: Path) -> None:
-    """Stopped twice, it never computes again what was done, and ends as a sweep that nobody has stopped."""
+def test_a_sweep_that_is_stopped_goes_on_to_the_same_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Stopped by two Ctrl-C in a row: what was done is not done again, and it ends as if nobody had stopped it."""
+    monkeypatch.chdir(tmp_path)
     written(tmp_path, TEXT)
-    record, kept, count = tmp_path / "cut" / "record.jsonl", b"", 0
-    twice, once = (signal.SIGINT, signal.SIGINT), (signal.SIGTERM,)
-    for signals, ended, workers in ((twice, "interrupted", "2"), (once, "terminated", "1")):
-        process = begun(*SWEEP, "--workers", workers, folder=tmp_path)
-        while not record.exists() or record.read_text(encoding="utf-8").count("\n") < count + 2:
-            assert process.poll() is None, process.communicate()
-            sleep(0.02)
-        code, out, err = stopped(process, *signals)
-        assert code == 128 + signals[0]
-        assert out == ""
-        assert f"{ended}; what was done is kept in cut\n  hint: give the same command again to go on" in err
-        assert record.read_bytes().startswith(kept)
-        kept, count = record.read_bytes(), len(evaluations(tmp_path / "cut"))
-        assert count < DESIGNS
-        assert f"note: {count} of {DESIGNS} designs are done\n" in err
+    cut, whole = tmp_path / "cut", tmp_path / "whole"
+    record = cut / "record.jsonl"
+    process = begun(*SWEEP, "-o", "cut", "--workers", "2", folder=tmp_path)
+    while not record.exists() or record.read_text(encoding="utf-8").count("\n") < 2:
+        assert process.poll() is None, process.communicate()
+        sleep(0.02)
+    code, out, err = stopped(process, signal.SIGINT, signal.SIGINT)
+    assert code == Exit.INTERRUPTED
+    assert out == ""
+    assert "interrupted; what was done is kept in cut\n  hint: give the same command again to go on from there\n" in err
+    kept, count = record.read_bytes(), len(evaluations(cut))
+    assert 2 <= count < DESIGNS
+    assert f"note: {count} of {DESIGNS} designs are done\n" in err
 
-    again = begun(*SWEEP, "--workers", "1", folder=tmp_path)
-    out, err = again.communicate(timeout=PATIENCE)
-    assert again.returncode == Exit.DONE, err
-    assert f"{DESIGNS} done, 0 failed" in out
-    assert record.read_bytes().startswith(kept), "what was done is not done again"
-
-    case, cut, whole = str(tmp_path / "dish.toml"), tmp_path / "cut", tmp_path / "whole"
-    assert main(["sweep", case, *SWEEP[2:4], "--workers", "1", "-o", str(whole), "--quiet"]) == Exit.DONE
+    assert main([*SWEEP, "-o", "cut", "--workers", "1"]) == Exit.DONE
+    assert f"{DESIGNS} done, 0 failed" in capsys.readouterr().out
+    assert record.read_bytes().startswith(kept)
+    assert main([*SWEEP, "-o", "whole", "--workers", "1", "--quiet"]) == Exit.DONE
     assert evaluations(cut) == evaluations(whole)
     assert rows(cut) == rows(whole)
 

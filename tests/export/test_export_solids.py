@@ -31,20 +31,32 @@ from scipy.interpolate import NdBSpline
 from scipy.spatial import Delaunay
 
 from punchform.arrays import Floats
-from punchform.case import FlatProfile, ParaboloidProfile, PunchCase, SphereProfile
+from punchform.case import FlatProfile, ParaboloidProfile, PunchCase, SphereProfile, packaged_cases, read_case
 from punchform.errors import InputError
 from punchform.export.occt import demand_occt, trimmed_face
-from punchform.export.punch_files import PLATE, TOLERANCE
+from punchform.export.punch_files import EDGE, PLATE, TOLERANCE
+from punchform.export.punch_mesh import punch_mesh, stl
 from punchform.export.shapes import shapes
 from punchform.export.spline import filled, spline_of
 from punchform.export.step import no_more_than, step_bytes, step_files
 from punchform.export.step_punch import NEAR, NEAR_FIELD, punch_solid
-from punchform.export.stl import EDGE, punches, stl_files
-from punchform.punch import Corrected, HeightField, Paraboloid, RadialCorrection, Revolution, Tool, uncorrected
+from punchform.export.stl import punches, stl_files
+from punchform.punch import (
+    Corrected,
+    HeightField,
+    Paraboloid,
+    RadialCorrection,
+    Revolution,
+    Tool,
+    is_turned,
+    surface,
+    uncorrected,
+)
 from punchform.whole import Whole
 
 RIM = 60.0
 RADIUS = EDGE * RIM
+WITH_A_PUNCH = [name for name in packaged_cases() if read_case(f"packaged:{name}").punch is not None]
 
 
 def read(content: bytes) -> Any:
@@ -72,9 +84,9 @@ def part(shape: Any, kind: Any) -> Any:
     return found.Current()
 
 
-def volume(shape: Any) -> float:
+def volume(shape: Any, within: float = 1e-8) -> float:
     found = GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, found, 1e-8)
+    BRepGProp.VolumeProperties_s(shape, found, within)
     return float(found.Mass())
 
 
@@ -310,6 +322,24 @@ def test_a_punch_that_is_not_turned_is_a_solid_too() -> None:
     assert volume(shape) == pytest.approx(rings + math.pi * RADIUS**2 * PLATE, rel=2e-6)
     points = np.random.default_rng(3).uniform(-40, 40, (25, 2))
     assert away(shape, np.column_stack((points, tool.height(points)))).max() < 1.5 * max(missed, 1e-4)
+
+
+@pytest.mark.parametrize("name", WITH_A_PUNCH)
+def test_the_punch_of_every_packaged_case_is_one_solid_in_both_formats(name: str, tmp_path: Path) -> None:
+    """As trimesh and OCCT see them: closed, and of the same volume but for the facets."""
+    tool = surface(read_case(f"packaged:{name}").tool)
+    radius = EDGE * tool.rim_radius
+    (tmp_path / "punch.stl").write_bytes(stl(punch_mesh(tool, radius=radius, plate=PLATE, tolerance=5 * TOLERANCE)))
+    mesh = trimesh.load_mesh(tmp_path / "punch.stl")
+    assert mesh.is_volume
+    solid, missed = punch_solid(tool, radius=radius, plate=PLATE)
+    assert missed <= (NEAR if is_turned(tool) else NEAR_FIELD)
+    shape = read(step_bytes(solid, "punch", ("punch",)))
+    assert part(shape, TopAbs_ShapeEnum.TopAbs_SOLID)
+    assert BRepCheck_Analyzer(shape).IsValid()
+    corners = np.random.default_rng(5).choice(mesh.vertices, 20)
+    assert away(shape, corners).max() < max(2 * missed, 1e-4)
+    assert abs(volume(shape, 1e-5) - mesh.volume) < 5 * TOLERANCE * mesh.area
 
 
 def test_the_corners_of_the_solid_are_where_punch_and_plate_end() -> None:

@@ -46,4 +46,4 @@ def test_every_figure_keeps_its_limit_and_is_the_one_on_the_page(checks: ModuleT
 def shown(check: Any, expected: float, found: float) -> bool:
     """Whether the page has this figure: to its digits, or as near as rounding may move it."""
     near = max(1e-6 * abs(check.found), SHOWN * check.most)
-    return abs(expected - check.expected) <= 1e-6 * abs(check.expected) and abs(found - check.found) <= near
+    return bool(abs(expected - check.expected) <= 1e-6 * abs(check.expected) and abs(found - check.found) <= near)

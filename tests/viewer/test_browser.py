@@ -16,6 +16,7 @@ import pytest
 import stretched
 import tiny_dish
 
+from punchform.case.reading import case_from_text
 from punchform.report.page import render
 from punchform.report.viewer import pack, program, scene_of, style
 from punchform.report.viewer.payload import SHARE
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 FLAGS = ("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 VIEWER = "document.querySelector('.pf-viewer').viewer"
+OTHER = "document.querySelectorAll('.pf-viewer')[1].viewer"
 NODE = 1e-4
 
 
@@ -82,9 +84,15 @@ def dish() -> Run:
 
 
 @cache
+def shallow() -> Run:
+    """The same dish over a flatter punch for a flatter target."""
+    return run(case_from_text(tiny_dish.TEXT.replace('focal_length = "60 mm"', 'focal_length = "90 mm"')))
+
+
+@cache
 def html(*made: str) -> str:
     """The page of runs, without its figures."""
-    runs = {"dish": dish, "stretched": stretched.dish}
+    runs = {"dish": dish, "stretched": stretched.dish, "shallow": shallow}
     scenes = tuple(pack(scene_of(runs[name](), name), f"scene-{number}") for number, name in enumerate(made))
     return render(
         dish().case, subtitle="", good=True, verdict=("Fine.",), results=(), details_title="Details", details=(),
@@ -329,17 +337,27 @@ def test_a_print_has_a_still(show: Opener) -> None:
     assert not tab.page.locator(".pf-tools").is_visible()
 
 
+def test_viewers_side_by_side_have_one_range_from_the_start(show: Opener) -> None:
+    tab = show("dish", "shallow")
+    tab.page.wait_for_function(f"{OTHER} && {OTHER}.stage.pictures > 0")
+    for ask in ("0", "viewer.ask({ colour: 'axial_force' })"):
+        tab.js(ask)
+        first, other = (tab.js(f"{one}.uniforms.range.value") for one in ("viewer", OTHER))
+        assert first == other
+        shown = "true, false, viewer.scene.poses[viewer.state.time].name"
+        own = [tab.js(f"{one}.ownRange(viewer.state.colour, {shown}).high") for one in ("viewer", OTHER)]
+        assert own[0] != own[1]
+        assert first[1] == max(own)
+
+
 def test_viewers_side_by_side_follow_each_other(show: Opener) -> None:
     tab = show("dish", "stretched")
-    tab.page.wait_for_function("document.querySelectorAll('.pf-viewer')[1].viewer")
-    other = "document.querySelectorAll('.pf-viewer')[1].viewer"
+    tab.page.wait_for_function(f"{OTHER}")
     tab.js("viewer.ask({ time: 1, colour: 'axial_force' })")
-    pose = f"{other}.scene.poses[{other}.state.time].name"
+    pose = f"{OTHER}.scene.poses[{OTHER}.state.time].name"
     assert tab.page.evaluate(pose) == "in the tool"
-    ranges = tab.js("viewer.uniforms.range.value"), tab.page.evaluate(f"{other}.uniforms.range.value")
-    assert ranges[0] == ranges[1]
     tab.js("viewer.stage.turn(3, 1)")
-    ways = tab.js("viewer.stage.pose.way"), tab.page.evaluate(f"{other}.stage.pose.way")
+    ways = tab.js("viewer.stage.pose.way"), tab.page.evaluate(f"{OTHER}.stage.pose.way")
     assert ways[0] == pytest.approx(ways[1], abs=1e-6)
     tab.page.locator(".pf-link input").uncheck()
     tab.js("viewer.ask({ time: 0 })")

@@ -22,14 +22,13 @@ export function linking() {
     },
     turned(self, pose) { others(self, (member) => member.follow(pose)); },
     changed(self, asked) { others(self, (member) => member.askNamed(asked)); },
-    /** The range that holds for all: of each member that can tell the quantity. */
+    /** The colours of the range that holds for all members that can tell the quantity; the extent is one's own. */
     range(self, own, key, robust, steady, poseName) {
-      if (!linked || members.length < 2) return own;
+      if (!own || !linked || members.length < 2) return own;
       const all = members.map((member) => member === self ? own : member.ownRange(key, robust, steady, poseName)).filter(Boolean);
-      if (!all.length) return own;
       const least = (name) => Math.min(...all.map((one) => one[name]));
       const largest = (name) => Math.max(...all.map((one) => one[name]));
-      return { least: least("least"), largest: largest("largest"), low: least("low"), high: largest("high") };
+      return { ...own, low: least("low"), high: largest("high") };
     },
     refresh(self) { others(self, (member) => member.refresh()); },
   };

@@ -19,7 +19,7 @@ import { wiresOf } from "./wires.js";
 
 const WITHOUT = "The 3D view needs WebGL 2, which this browser does not have or has switched off. Everything below is complete without it.";
 /** Up to so many wire pieces edges are smoothed. */
-const SMOOTH = 60000;
+const SMOOTH = 30000;
 /** Ribbons take this share of the distance between wires, within limits [pixels]. */
 const SHARE = 0.17;
 const THINNEST = 1.1;
@@ -57,6 +57,7 @@ class Viewer {
     group.join(this);
     this.stage.begin();
     root.viewer = this;
+    this.refresh();
     group.refresh(this);
   }
 

@@ -7,7 +7,7 @@ import {
 import { NOTHING } from "./shapes.js";
 
 /** More wire pieces than this are drawn as lines of one pixel. */
-export const RIBBONS = 40000;
+export const RIBBONS = 30000;
 const GONE = 1e7;
 
 const SHADE = `precision highp float;

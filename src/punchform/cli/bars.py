@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from rich.progress import BarColumn, ProgressColumn, SpinnerColumn, TextColumn
+from rich.console import Group
+from rich.live import Live
+from rich.progress import BarColumn, ProgressColumn, TextColumn
 from rich.progress import Progress as Lines
+from rich.spinner import Spinner
+from rich.table import Column
 from rich.text import Text
 
 from punchform.cli.remaining import Remaining, left
@@ -18,51 +22,51 @@ if TYPE_CHECKING:
 
 WIDTH = 24
 """Characters of a bar."""
+FRAMES = 8
+"""Pictures a second."""
+WHOLE = Column(no_wrap=True)
+"""A column that is not broken into lines."""
 
 
 class Bars:
     """Bars by the names of their stages, shown by `lines`. They leave nothing behind when they stop."""
 
     def __init__(self, console: Console, *, at_once: int = 1) -> None:
-        self.lines = Lines(
-            SpinnerColumn(finished_text=" "),
-            TextColumn("{task.description}", markup=False),
-            _Bar(bar_width=WIDTH),
-            _Left(),
-            console=console,
-            transient=True,
-        )
         self._at_once = at_once
-        self._bars: dict[str, TaskID] = {}
-        self._now = self.lines.add_task("starting", total=None, far=None)
+        self._far: dict[str, tuple[TaskID, _Far]] = {}
+        self._bars = Lines(
+            TextColumn("{task.description}", markup=False), BarColumn(bar_width=WIDTH), _Left(table_column=WHOLE)
+        )
+        self._now = Spinner("dots", _one_line("starting"))
+        self.lines = Group(self._bars, self._now)
+        self._live = Live(self.lines, console=console, transient=True, refresh_per_second=FRAMES)
 
     def start(self) -> None:
         """Show the lines."""
-        self.lines.start()
+        self._live.start()
 
     def stop(self) -> None:
         """Take the lines away."""
-        self.lines.stop()
+        self._live.stop()
 
     def words(self, words: str) -> None:
         """Say below the bars what is being done."""
-        self.lines.update(self._now, description=words)
+        self._now.update(text=_one_line(words))
 
     def tell(self, event: Progress, *, known: float = 0.0) -> None:
         """Move the bar of a stage; one that begins again has a new time, and one that is done goes away."""
         assert event.total is not None
         name = event.stage.partition(",")[0]
-        bar = self._bars.get(name)
-        far = None if bar is None else self.lines.tasks[self.lines.task_ids.index(bar)].fields["far"]
-        if bar is None or far is None or event.done < far.done:
-            if bar is not None:
-                self.lines.remove_task(bar)
-            far = _Far(Remaining(at_once=self._at_once))
-            bar = self._bars[name] = self.lines.add_task(name, total=event.total, far=far)
+        if name in self._far and event.done < self._far[name][1].done:
+            self._bars.remove_task(self._far.pop(name)[0])
+        if name not in self._far:
+            new = _Far(Remaining(at_once=self._at_once))
+            self._far[name] = self._bars.add_task(name, total=event.total, far=new), new
+        bar, far = self._far[name]
         far.tell(event, known)
-        self.lines.update(bar, completed=event.done, total=event.total)
+        self._bars.update(bar, completed=event.done, total=event.total)
         if event.done >= event.total:
-            self.lines.remove_task(self._bars.pop(name))
+            self._bars.remove_task(self._far.pop(name)[0])
 
 
 class _Far:
@@ -84,18 +88,14 @@ class _Far:
         return f"{self.done:.3g} of {at_most}{self._total:.6g}{left(self._remaining.seconds, limit=self._limit)}"
 
 
-class _Bar(BarColumn):
-    """A bar where it is known how far it is; nothing beside mere words."""
-
-    def render(self, task: Task) -> Any:
-        return Text() if task.total is None else super().render(task)
-
-
 class _Left(ProgressColumn):
     """How far it is in words."""
 
     max_refresh = 0.5
 
     def render(self, task: Task) -> Text:
-        far = task.fields["far"]
-        return Text("" if far is None else str(far))
+        return Text(str(task.fields["far"]))
+
+
+def _one_line(words: str) -> Text:
+    return Text(words, no_wrap=True, overflow="ellipsis")

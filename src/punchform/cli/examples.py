@@ -17,8 +17,8 @@ from punchform.errors import InputError
 
 NARROWEST = 60
 """The table is not made narrower than this."""
-SLOW, SLOWER = 40_000, 400_000
-"""Crossings times strokes (yielding ones three times) from which a case takes a minute or so, and several."""
+SLOW, SLOWER = 5_000, 300_000
+"""Crossings times strokes (yielding ones three times) from which a case takes some ten seconds, and minutes."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def described(name: str) -> Listed:
     """What is told of a packaged case."""
     case = read_case(PREFIX + name)
     crossings, work = _size(case)
-    takes = "minutes" if work > SLOWER else "a minute" if work > SLOW else "seconds"
+    takes = "minutes" if work > SLOWER else "half a minute" if work > SLOW else "seconds"
     return Listed(PREFIX + name, case.title, introduction(packaged_text(name)), crossings, takes)
 
 

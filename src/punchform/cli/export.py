@@ -10,6 +10,7 @@ from punchform.case import write_case
 from punchform.cli.exits import Exit
 from punchform.cli.talk import say
 from punchform.cli.voice import Voice
+from punchform.errors import InputError
 from punchform.export.formats import FORMATS
 from punchform.export.heading import FRAME, UNITS
 from punchform.export.result import RESULT_SCHEMA
@@ -17,7 +18,7 @@ from punchform.store import CASE, RESULT, check_folder, load_run, write_folder
 
 
 def export_run(run: str, to: list[str], output: str, *, overwrite: bool, voice: Voice, as_json: bool) -> Exit:
-    """Write the files of a run folder in the formats named, or in all of them that can be written here.
+    """Write the files of a run folder in the formats named, or in all of them that can be written here and show it.
 
     Raises InputError for a folder that is not a run or cannot be written, and for what a format cannot show.
     """
@@ -34,7 +35,13 @@ def export_run(run: str, to: list[str], output: str, *, overwrite: bool, voice: 
         for name in names:
             if voice is not Voice.QUIET:
                 say(f"writing {name}: {FORMATS[name].what}")
-            written = FORMATS[name].write(done, folder)
+            try:
+                written = FORMATS[name].write(done, folder)
+            except InputError as error:
+                if name in to:
+                    raise
+                say(f"note: {name} is left out: {error.problems[0].message}")
+                continue
             files.extend({"name": file.name, "format": name} for file in written)
         (folder / CASE).write_text(write_case(done.case), encoding="utf-8", newline="\n")
         (folder / RESULT).write_text(_result(done.case.title, files), encoding="utf-8", newline="\n")

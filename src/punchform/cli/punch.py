@@ -14,15 +14,13 @@ from punchform.cli.exits import Exit
 from punchform.cli.talk import notes
 from punchform.cli.voice import Voice
 from punchform.errors import InputError
-from punchform.export.punch_files import TOLERANCE, write_punch
+from punchform.export.punch_files import EDGE, TOLERANCE, write_punch
 from punchform.export.result import RESULT_SCHEMA
 from punchform.prepare import prepare
 from punchform.punch import Corrected, Tool
 from punchform.store import CASE, RESULT, check_folder, write_folder
 from punchform.units import LENGTH, UnitError
 
-EDGE = 1.1
-"""How far the files reach when nothing is said, in radii of the rim."""
 MOST_POINTS = 4_000_000
 """Points of a height field: a file of some hundred megabytes."""
 SIZE = Quantity(LENGTH, above=0.0, least=1e-6, most=1e9)

@@ -32,11 +32,13 @@ AT_NODE = 1e-6
 
 @dataclass(frozen=True)
 class Beams:
-    """Beams of wires with three nodes, end, middle, end; nodes count from 0, the first are those of the whole grid in its order.
+    """Wires of beams with three nodes each, end, middle, end.
 
+    Nodes count from 0, the first are those of the whole grid in its order.
     places (P, 3) [mm]; wires (B, 3): beams of wires, `count` after each other from O to B of every element of the
-    whole grid; family (B,): 1 or 2; element (B,): of the whole grid; arms (A, 2): stiff beams from a centre outwards; ties (T, 2): nodes that
-    move alike; centres (N, 2): of both wires of each node of the whole grid, -1 where none passes.
+    whole grid; family (B,): 1 or 2; element (B,): of the whole grid; arms (A, 2): stiff beams from a centre outwards;
+    ties (T, 2): nodes that move alike; centres (N, 2): of both wires of each node of the whole grid, -1 where none
+    passes.
     """
 
     places: Floats

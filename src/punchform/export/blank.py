@@ -118,4 +118,5 @@ def _add_list(space: Modelspace, cuts: Sequence[Cut], corner: tuple[float, float
 def _write(
     space: Modelspace, layer: str, text: str, place: tuple[float, float], height: float, *, turn: float = 0.0
 ) -> None:
-    space.add_text(text, height=height, rotation=turn, dxfattribs={"layer": layer, "insert": place})
+    # A caret alone would begin a control character.
+    space.add_text(text.replace("^", "^ "), height=height, rotation=turn, dxfattribs={"layer": layer, "insert": place})

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from punchform.export.blank import blank_drawing
+from punchform.export.blank import COLOURS, WIRES, blank_drawing
 from punchform.export.cut_list import cut_list, cut_list_csv
 from punchform.export.drawings import drawing_bytes, empty_drawing, fixed_stamps
 from punchform.export.heading import heading
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from punchform.run import Run
 
 BLANK, CUT_LIST = "blank.dxf", "cut_list.csv"
-LAYERS = ("WIRES_1", "WIRES_2")
-COLOURS = dict(zip(LAYERS, (5, 30), strict=True))
 
 
 def dxf_files(run: Run, folder: Path) -> tuple[Path, ...]:
@@ -44,9 +42,9 @@ def wires_drawing(whole: Whole, heading: Sequence[str]) -> bytes:
     """The DXF file of a shape: one polyline in space [mm] per wire through its nodes, by rising x or y in the flat, on
     the layers WIRES_1 and WIRES_2 of the families."""
     with fixed_stamps():
-        document = empty_drawing(COLOURS)
+        document = empty_drawing({layer: COLOURS[layer] for layer in WIRES})
         space = document.modelspace()
         for strand in strands(whole):
             points = whole.positions[strand.nodes].tolist()
-            space.add_polyline3d(points, dxfattribs={"layer": LAYERS[strand.family - 1]})
+            space.add_polyline3d(points, dxfattribs={"layer": WIRES[strand.family - 1]})
         return drawing_bytes(document, heading)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from punchform.arrays import Bools, Floats, Ints
+from punchform.arrays import Floats, Ints
 from punchform.case import CrossingSpring, PressCase
 from punchform.errors import InputError
 from punchform.export.beam_stress import square, stresses
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 FORMED, SPRINGBACK, RELEASED = "formed.inp", "springback.inp", "released.inp"
 BEAMS = 2
 """Beams of three nodes for a wire between two crossings: two half waves of a crimp; its pieces have one each."""
-LETTING_GO = (0.1, 1e-5, 0.25)
+LETTING_GO = (0.5, 1e-5, 0.5)
 """The first, the least and the largest part in which the forces of the tool leave."""
 
 
@@ -126,16 +126,15 @@ def _text(
 def _told(run: Run, diameter: float) -> Iterator[str]:
     """What to know of a deck."""
     wire = run.case.wire
-    yield "written for CalculiX (ccx); node n is row n of nodes.csv, on the middle of its crossing; further nodes follow"
-    yield "wires: beams along their bent centrelines; the square section resists pull, bending and twist as the round"
-    yield f"  wire of {diameter:g} mm does, E = {wire.youngs_modulus:g} MPa, Poisson's ratio {wire.poisson:g}, when it becomes one brick"
-    yield "crossings: stiff arms along the normal (ARMS); *EQUATION ties centres and tips: one free turn about the normal"
-    yield "*INITIAL CONDITIONS: the forces and moments in the wires; without them the deck is another, stress-free grid"
+    yield "written for CalculiX (ccx); node n is row n of nodes.csv, in the middle of its crossing; more nodes follow"
+    yield "wires: beams along their bent centrelines; as a brick a square section resists pull, bending and twist"
+    yield f"  as the round wire of {diameter:g} mm does with E = {wire.youngs_modulus:g} MPa and nu = {wire.poisson:g}"
+    yield "crossings: stiff arms along the normal (ARMS); *EQUATION ties centres and tips, so wires turn about the normal"
+    yield "*INITIAL CONDITIONS: the forces and moments in the wires; without them the grid is another, free of stress"
     if wire.yields:
-        yield "the wires have flowed: they are elastic about this state, and do not yield further in the deck"
+        yield "the wires have flowed: they are elastic about this state, crimped as when new, and do not yield further"
     yield "sets: GRID, CROSSINGS, RIM (wire ends), HELD (nodes); WIRES_X, WIRES_Y, ARMS (elements)"
-    yield "Abaqus: B32R is called B32; give WIRES_X and WIRES_Y SECTION=CIRC, the radius of the wire and an isotropic"
-    yield "  *ELASTIC; its *INITIAL CONDITIONS of beams are written otherwise"
+    yield "Abaqus: see docs/exports.md; elements are B32, the section CIRC, and initial stresses are written otherwise"
 
 
 def _loads(stage: Shaped, wires: _Wires) -> Floats:

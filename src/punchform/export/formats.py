@@ -43,8 +43,10 @@ class Format:
 
 
 FORMATS = {
+    "ccx": Format("the wires as beams with the forces in them, for CalculiX", "fe_deck:write_decks"),
     "csv": Format("nodes and wires of every stage as tables", "csv_tables:csv_files"),
     "dxf": Format("the flat blank with its cut list, and the wires in space", "dxf:dxf_files"),
+    "grasp": Format("formed, released and wanted surface with their rim, for GRASP", "grasp:write_grasp"),
     "points": Format("crossings and target with normals, for measuring machines", "points:point_files"),
     "step": Format(
         "B-spline surfaces of the grid, and the punch as a solid", "step:step_files", needs="OCP.collections"

@@ -19,6 +19,8 @@ TOLERANCE = 0.02
 """How far facets may be from the punch [mm]."""
 PLATE = 10.0
 """Thickness of the solid below its flange [mm]."""
+EDGE = 1.1
+"""How far the files reach when nothing is said, in radii of the rim."""
 SECTION_TOLERANCE = 0.05
 """The same of sections, as a share of it: points of a line cost little."""
 FIELD_STEPS = 60

@@ -12,11 +12,11 @@ import numpy as np
 from punchform import __version__
 from punchform.export.heading import heading
 from punchform.export.occt import demand_occt, step_data, trimmed_face
-from punchform.export.punch_files import PLATE
+from punchform.export.punch_files import EDGE, PLATE
 from punchform.export.shapes import shapes
 from punchform.export.spline import Spline, spline_of
 from punchform.export.step_punch import punch_solid
-from punchform.export.stl import EDGE, punches
+from punchform.export.stl import punches
 from punchform.press import Formed
 
 if TYPE_CHECKING:

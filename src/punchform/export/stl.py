@@ -5,15 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from punchform.export.punch_files import PLATE, TOLERANCE
+from punchform.export.punch_files import EDGE, PLATE, TOLERANCE
 from punchform.export.punch_mesh import punch_mesh, stl
 from punchform.punch import Corrected, Tool, surface
 
 if TYPE_CHECKING:
     from punchform.run import Run
-
-EDGE = 1.1
-"""How far solids of the punch reach, in radii of the rim."""
 
 
 def punches(run: Run) -> dict[str, Tool]:
