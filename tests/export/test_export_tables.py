@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,6 @@ from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridRead
 from punchform.arrays import Floats
 from punchform.cli import main
 from punchform.export.csv_tables import STAGE_COLUMNS, csv_files
-from punchform.export.formats import FORMATS
 from punchform.export.points import COLUMNS, normals, point_files
 from punchform.export.shapes import shapes
 from punchform.export.vtp import vtp_files
@@ -239,9 +239,13 @@ def test_all_leaves_out_what_needs_an_extra_and_says_so(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = write_run(made("elastic"), tmp_path / "run")
-    monkeypatch.setattr("punchform.export.formats.find_spec", lambda name: None)
-    assert [name for name, one in FORMATS.items() if not one.there] == ["step"]
-    assert main(["export", str(folder), "--to", "all", "-o", str(tmp_path / "files"), "--quiet"]) == 0
-    assert "note: step is left out" in capsys.readouterr().err
+    monkeypatch.setitem(sys.modules, "OCP.collections", None)
+    assert main(["export", str(folder), "--to", "all", "-o", str(tmp_path / "files")]) == 0
+    said = capsys.readouterr().err
+    assert "note: step is left out: STEP files need cadquery-ocp-novtk" in said
+    assert said.count("is left out") == 1
+    assert main(["export", str(folder), "--to", "step", "dxf", "-o", str(tmp_path / "others")]) == 2
+    assert "pip install 'punchform[step]'" in capsys.readouterr().err
+    assert not (tmp_path / "others").exists()
     assert not list((tmp_path / "files").glob("*.step"))
     assert (tmp_path / "files" / "blank.dxf").exists()

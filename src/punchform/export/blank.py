@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from punchform.arrays import Floats
-from punchform.case import Blank, CircleBlank, PolygonBlank, RectangleBlank
+from punchform.case import Blank, Case, CircleBlank, PolygonBlank, RectangleBlank, WiresBlank
 from punchform.export.cut_list import COLUMNS, Cut
 from punchform.export.drawings import drawing_bytes, empty_drawing, fixed_stamps
 from punchform.export.told import told
@@ -37,23 +37,25 @@ LETTERS, ROW, COLUMN, BESIDE = 0.25, 1.8, 12.0, 12.0
 """Height of letters in steps of the grid; of a row, width of a column and of the numbers in heights of letters."""
 
 
-def blank_drawing(run: Run, cuts: Sequence[Cut], heading: Sequence[str]) -> bytes:
-    """The DXF file of the flat blank in mm, with the axis of the punch at its origin.
+def blank_drawing(
+    case: Case, cuts: Sequence[Cut], heading: Sequence[str], lands: Iterable[tuple[Floats, bool]] = ()
+) -> bytes:
+    """The DXF file of the flat blank in mm, with the axis of the punch at its origin; lands: see `rim_lines`.
 
     Layers: OUTLINE of the blank, WIRES_1 and WIRES_2 with a line from end to end of every wire, NUMBERS of the wires,
-    RIM: where the rim of the punch is, LANDS_ON_RIM: which line of the flat grid lands on it, CUT_OFF: what trims have
-    cut off, CUT_LIST and HEADING as text.
+    RIM: where the rim of a punch is, LANDS_ON_RIM: which line of the flat grid lands on it, CUT_OFF: what trims have
+    cut off, CUT_LIST and HEADING as text. Single wires have no OUTLINE.
     """
-    letters = LETTERS * min(run.case.grid.step)
+    letters = LETTERS * min(case.grid.step)
     with fixed_stamps():
         document = empty_drawing(COLOURS)
         space = document.modelspace()
-        _add_outline(space, run.case.grid.blank)
-        edge = np.array(reach(run.case.grid.blank)[:2]) + letters
+        _add_outline(space, case.grid.blank)
+        edge = _edge(case.grid.blank, cuts) + letters
         _add_wires(space, cuts, edge, letters)
-        rim = run.case.tool.rim_radius
-        space.add_circle((0.0, 0.0), rim, dxfattribs={"layer": RIM})
-        for piece, closed in rim_lines(run):
+        if case.rim_radius is not None:
+            space.add_circle((0.0, 0.0), case.rim_radius, dxfattribs={"layer": RIM})
+        for piece, closed in lands:
             space.add_lwpolyline(piece.tolist(), close=closed, dxfattribs={"layer": LANDS})
         _add_list(space, cuts, (float(edge[0]) + BESIDE * letters, float(edge[1])), letters)
         for number, line in enumerate(heading):
@@ -80,6 +82,13 @@ def rim_lines(run: Run) -> Iterator[tuple[Floats, bool]]:
     for piece in np.split(np.arange(DIRECTIONS), 1 + np.flatnonzero(there[1:] != there[:-1])):
         if there[piece[0]] and len(piece) > 1:
             yield line[piece], False
+
+
+def _edge(blank: Blank, cuts: Sequence[Cut]) -> Floats:
+    """How far the blank reaches along x and along y, (2,) [mm]."""
+    if isinstance(blank, WiresBlank):
+        return np.asarray(np.abs([end for cut in cuts for end in (cut.start, cut.end)]).max(axis=0))
+    return np.array(reach(blank)[:2])
 
 
 def _add_outline(space: Modelspace, blank: Blank) -> None:

@@ -17,11 +17,14 @@ if TYPE_CHECKING:
 
 NODES, WIRES, WIRES_RELEASED, TOLD = "nodes.csv", "wires.csv", "wires_released.csv", "tables.txt"
 STAGE_COLUMNS = ("i", "j", "between", "x0", "y0", "x", "y", "z", "nx", "ny", "nz", "contact_force")
-COLUMNS = """\
+WIRE_WORDS = """\
+Wires, one row per piece between two crossings: family 1 along x, 2 along y; i, j of its inner end; D1 to D6 [mm, rad],
+F1 to F6 [N, N mm] in element axes; energy_mJ; axial_strain; stress_ratio over the yield strength; of wires that yield
+stretch and plastic_strain."""
+COLUMNS = f"""\
 nodes.csv, wires.csv, wires_released.csv: as in the folder of the run. Nodes: i, j; x0, y0 flat; x, y, z formed;
-xr, yr, zr released; contact_force of the tool, positive where the punch pushes. Wires, one row per piece between two
-crossings: family 1 along x, 2 along y; i, j of its inner end; D1 to D6 [mm, rad], F1 to F6 [N, N mm] in element axes;
-energy_mJ; axial_strain; stress_ratio over the yield strength; of wires that yield stretch and plastic_strain.
+xr, yr, zr released; contact_force of the tool, positive where the punch pushes.
+{WIRE_WORDS}
 nodes_1_press.csv, wires_1_press.csv, ...: the same of every stage in order. Here nodes between two crossings of a wire
 are told too, by the crossing nearer to the centre and, in `between`, how many pieces away from it they are; nx, ny, nz
 is the normal of the node. An empty cell is not known: what was cut off, or a stress without a yield strength."""

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from punchform.arrays import Floats
+from punchform.arrays import Bools, Floats
 from punchform.export.strands import Strand, strands
 from punchform.export.told import laid
-from punchform.whole import places_in
-from punchform.wire import pieces, stiffness
+from punchform.whole import Whole, places_in
+from punchform.wire import Element, pieces, stiffness
 
 if TYPE_CHECKING:
     from punchform.run import Run
@@ -52,10 +52,14 @@ def cut_list(run: Run) -> tuple[Cut, ...]:
     """All wires of the blank as it was laid. Wires end at their last crossings; what juts out is not known of."""
     case, whole = run.case, laid(run).whole
     elements = pieces(stiffness(case.wire, case.grid.step), case.grid.subdivide)
+    stays = places_in(run.stages[-1].done.whole.flat, whole.flat) >= 0
+    return cuts_of(whole, elements, ~(stays[whole.start] & stays[whole.end]))
+
+
+def cuts_of(whole: Whole, elements: Sequence[Element], lost: Bools) -> tuple[Cut, ...]:
+    """All wires of a whole grid, made of elements of such kinds, of which some (M,) are cut off."""
     each = np.array([element.wire_length for element in elements])[whole.kind]
     flat = whole.flat[:, :2]
-    stays = places_in(run.stages[-1].done.whole.flat, whole.flat) >= 0
-    lost = ~(stays[whole.start] & stays[whole.end])
     return tuple(
         Cut(
             strand,
@@ -78,7 +82,7 @@ def cut_list_csv(cuts: Sequence[Cut], heading: Sequence[str]) -> str:
     return "".join(f"# {line}\n" for line in heading) + stream.getvalue()
 
 
-def _joined(places: Floats, lost: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> Floats:
+def _joined(places: Floats, lost: Bools) -> Floats:
     """Both ends (c, 2, 2) of each run of lost elements (n - 1,) between places (n, 2)."""
     edges = np.diff(np.concatenate(([False], lost, [False])).astype(np.int64))
     return np.stack((places[np.flatnonzero(edges == 1)], places[np.flatnonzero(edges == -1)]), axis=1)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from punchform.export.blank import COLOURS, WIRES, blank_drawing
+from punchform.export.blank import COLOURS, WIRES, blank_drawing, rim_lines
 from punchform.export.cut_list import cut_list, cut_list_csv
 from punchform.export.drawings import drawing_bytes, empty_drawing, fixed_stamps
 from punchform.export.heading import heading
@@ -27,7 +27,7 @@ def dxf_files(run: Run, folder: Path) -> tuple[Path, ...]:
     """
     cuts = cut_list(run)
     blank, listed = folder / BLANK, folder / CUT_LIST
-    blank.write_bytes(blank_drawing(run, cuts, heading(run, "the flat blank")))
+    blank.write_bytes(blank_drawing(run.case, cuts, heading(run, "the flat blank"), rim_lines(run)))
     told = heading(run, "cut list of the flat blank; wires end at their last crossings inside its outline")
     listed.write_text(cut_list_csv(cuts, told), encoding="utf-8", newline="\n")
     written = [blank, listed]
