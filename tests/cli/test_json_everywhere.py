@@ -27,7 +27,6 @@ ELSEWHERE = {
 LINES = {
     "form": ["form", "dish.toml", "-o", "run"],
     "report": ["report", "run"],
-    "compare": ["compare", "run", "points.csv", "-o", "part"],
     "export": ["export", "run", "--to", "vtp", "-o", "files"],
     "drape": ["drape", "dish.toml", "-o", "net"],
     "sensitivity": ["sensitivity", "dish.toml", "--vary", "wire.diameter"],
@@ -45,6 +44,7 @@ def test_every_command_that_prints_numbers_offers_it() -> None:
     offering = {name for name, command in parser().commands.items() if "--json" in command.option_names}
     assert offering == set(COMMANDS) - NO_NUMBERS
     assert offering == set(LINES) | set(ELSEWHERE), "each of them is run"
+    assert not set(LINES) & set(ELSEWHERE)
     for name, file in ELSEWHERE.items():
         tested = (Path(__file__).parents[1] / file).read_text(encoding="utf-8")
         assert f'"{name}"' in tested
