@@ -92,7 +92,9 @@ def test_the_command_writes_a_folder_that_can_be_replaced(
     assert 8 <= len(content["call_outs"]) <= 20
     files = {str(path.relative_to(tmp_path / "out")) for path in (tmp_path / "out").rglob("*.*")}
     figures = {
-        f"figures/{name}.png" for name in ("deviation_map", "deviation_histogram", "prediction_map", "call_outs")
+        f"figures/{name}.{kind}"
+        for name in ("deviation_map", "deviation_histogram", "prediction_map", "call_outs")
+        for kind in ("png", "svg")
     }
     assert files == {"comparison.json", "points.csv", "result.json", "report.html", *figures}
 
