@@ -16,6 +16,10 @@ STIFFER = 30.0
 """How much stiffer than the wires the arms of crossings are."""
 STEEP = 0.8
 """Arms that lie nearer to x than this cosine have another axis of their section."""
+NOTHING = 1e-9
+"""Stresses below this are none [MPa]."""
+AT_ONCE = 500
+"""So many beams are written at a time."""
 TURNED = 0.04
 """Wires whose direction differs by less, in each component, share a turned material."""
 ARMS = ("ARMS", "ARMS_STEEP")
@@ -139,9 +143,17 @@ def _boundary(beams: Beams, support: Support, moves: Floats) -> Iterable[str]:
 
 
 def _stresses(stress: Floats) -> Iterable[str]:
-    for k, points in enumerate((stress + 0.0).tolist(), 1):
-        for number, values in enumerate(points, 1):
-            yield f"{k}, {number}, " + ",".join(f"{one:.5g}" for one in values)
+    """Rows of beam, point and stress; one format for many rows is several times faster than one for each."""
+    beams, points, _ = stress.shape
+    shown = np.where(np.abs(stress) < NOTHING, 0.0, stress)
+    for first in range(0, beams, AT_ONCE):
+        block = shown[first : first + AT_ONCE]
+        count = len(block)
+        number = np.repeat(np.arange(first + 1, first + 1 + count), points)
+        point = np.tile(np.arange(1, points + 1), count)
+        cells = np.column_stack((number, point, block.reshape(-1, 6)))
+        row = "%d,%d" + 6 * ",%.5g" + "\n"
+        yield ((row * len(cells)) % tuple(cells.ravel().tolist()))[:-1]
 
 
 def _step(step: Step, beams: Beams, support: Support, pushed: Bools) -> list[str]:

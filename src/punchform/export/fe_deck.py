@@ -129,7 +129,7 @@ def _told(run: Run, diameter: float) -> Iterator[str]:
     yield "written for CalculiX (ccx); node n is row n of nodes.csv, in the middle of its crossing; more nodes follow"
     yield "wires: beams along their bent centrelines; as a brick a square section resists pull, bending and twist"
     yield f"  as the round wire of {diameter:g} mm does with E = {wire.youngs_modulus:g} MPa and nu = {wire.poisson:g}"
-    yield "crossings: stiff arms along the normal (ARMS); *EQUATION ties centres and tips, so wires turn about the normal"
+    yield "crossings: stiff arms along the normal (ARMS); *EQUATION ties centres and tips, wires turn about it"
     yield "*INITIAL CONDITIONS: the forces and moments in the wires; without them the grid is another, free of stress"
     if wire.yields:
         yield "the wires have flowed: they are elastic about this state, crimped as when new, and do not yield further"
