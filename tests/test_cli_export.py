@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 import tiny_dish
 
+from punchform.case.reading import case_from_text
 from punchform.cli import main
 from punchform.export.formats import FORMATS
 from punchform.run import run as form
@@ -58,3 +59,14 @@ def test_a_format_that_is_none_is_refused_with_those_there_are(
 ) -> None:
     assert main(["export", str(folder), "--to", "doc", "-o", "files"]) == 2
     assert "there are: " in capsys.readouterr().err
+
+
+def test_all_leaves_out_what_a_run_cannot_show_and_says_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = tiny_dish.TEXT.replace('step = "10 mm"', 'step = "7.5 mm"')
+    text = text.replace('diameter = "0.75 mm"', 'stiffness = "paper"').replace("poisson = 0.3", "")
+    run = write_run(form(case_from_text(text.replace('youngs_modulus = "210 GPa"', ""))), tmp_path / "run")
+    assert main(["export", str(run), "--to", "all", "-o", str(tmp_path / "files")]) == 0
+    assert "ccx is left out: a wire whose stiffness is given as a matrix" in capsys.readouterr().err
+    assert not list((tmp_path / "files").glob("*.inp"))
+    assert main(["export", str(run), "--to", "ccx", "-o", str(tmp_path / "deck")]) == 2
+    assert not (tmp_path / "deck").exists()
