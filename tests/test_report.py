@@ -17,8 +17,10 @@ import numpy as np
 import pytest
 import tiny_dish
 from fake_run import FakeOutcome, check_case, fake_run
+from matplotlib import colormaps
 from matplotlib.figure import Figure
 
+from punchform.arrays import Floats
 from punchform.case import write_case
 from punchform.report import page as page_module
 from punchform.report.figures.conclusions import found
@@ -27,7 +29,7 @@ from punchform.report.figures.gallery import GALLERY, gallery
 from punchform.report.figures.sections import enlargement, near_section
 from punchform.report.figures.shape import TOWARDS_EYE, seen, some_wires
 from punchform.report.figures.shear import most_sheared
-from punchform.report.figures.style import about_zero, from_zero, in_colour, new_figure
+from punchform.report.figures.style import DIVERGING, RELIEF, SEQUENTIAL, about_zero, from_zero, in_colour, new_figure
 from punchform.report.page import write_report
 from punchform.report.words import energy, size, verdict
 from punchform.run import run as form
@@ -331,3 +333,37 @@ def test_a_real_run_is_written_and_read_back(tmp_path: Path) -> None:
     assert stored.wires["energy_mJ"].sum() == pytest.approx(formed.formed.energy, rel=1e-9)
     axis = stored.nodes[(stored.nodes["i"] == 0) & (stored.nodes["j"] == 0)]
     assert axis["z"][0] == pytest.approx(stored.nodes["z"].max())
+
+
+def oklab(colours: Floats) -> Floats:
+    """Colours (n, 3) in Oklab, in which equal distances look equal (B. Ottosson, 2020)."""
+    linear = np.where(colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)
+    cones = np.array(
+        [
+            [0.4122214708, 0.5363325363, 0.0514459929],
+            [0.2119034982, 0.6806995451, 0.1073969566],
+            [0.0883024619, 0.2817188376, 0.6299787005],
+        ]
+    )
+    opponents = np.array(
+        [
+            [0.2104542553, 0.7936177850, -0.0040720468],
+            [1.9779984951, -2.4285922050, 0.4505937099],
+            [0.0259040371, 0.7827717662, -0.8086757660],
+        ]
+    )
+    return np.asarray(np.cbrt(linear @ cones.T) @ opponents.T)
+
+
+@pytest.mark.parametrize("name", [SEQUENTIAL, RELIEF])
+def test_maps_of_sizes_have_even_steps_and_one_way_of_lightness(name: str) -> None:
+    shades = oklab(np.asarray(colormaps[name](np.linspace(0, 1, 33)))[:, :3])
+    steps = np.linalg.norm(np.diff(shades, axis=0), axis=1)
+    assert steps.max() < 1.6 * steps.min()
+    assert len(set(np.sign(np.diff(shades[:, 0])))) == 1
+
+
+def test_the_map_with_a_sign_parts_in_its_middle() -> None:
+    lightness = oklab(np.asarray(colormaps[DIVERGING](np.linspace(0, 1, 33)))[:, :3])[:, 0]
+    assert (np.diff(lightness[:17]) > 0).all()
+    assert (np.diff(lightness[16:]) < 0).all()

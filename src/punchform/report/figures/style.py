@@ -1,7 +1,8 @@
 """How every figure looks: paper, ink, colour maps, plan axes, colour bars.
 
 Figures are built on the object-oriented interface with the Agg canvas: no pyplot, no global settings changed.
-Colour maps are ordered by lightness, so they survive colour blindness and a grey print.
+Colour maps of sizes go from light to dark in even steps to the eye, so they survive colour blindness and a grey print;
+those with a sign part at zero into two hues that colour-blind readers tell apart.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ HALF = (4.8, 4.0)
 PLAN, PLAN_BAR = (0.138, 0.115, 0.69, 0.855), (0.842, 0.165, 0.028, 0.755)
 INK, SOFT, PALE, PAPER = "#1d2733", "#6b7785", "#d8dde3", "#f1f3f5"
 PUNCH, ACCENT = "#b4491f", "#1f5f99"
-SEQUENTIAL, DIVERGING, RELIEF = "YlGnBu", "RdBu_r", "cividis"
+SEQUENTIAL, DIVERGING, RELIEF = "viridis_r", "RdBu_r", "cividis"
 TEXT = 9.0
 DENSE = 3.5
 """Wires that lie less far apart [pt] are drawn touching."""
