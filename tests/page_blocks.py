@@ -84,7 +84,7 @@ def missing(shown: list[str], printed: str) -> str:
     """The first line of what a page shows that is not printed, in order; empty when all are."""
     # Units are kept beside their numbers by spaces that do not break.
     lines = iter([line.strip() for line in printed.replace("\N{NO-BREAK SPACE}", " ").splitlines()])
-    for line in shown:
+    for line in (line.replace("\N{NO-BREAK SPACE}", " ") for line in shown):
         if line.strip() == "...":
             continue
         pattern = re.compile(".*".join(re.escape(part) for part in line.strip().split("...")))
