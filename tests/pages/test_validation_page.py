@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Iterator
 from types import ModuleType
 from typing import Any
 
@@ -15,10 +16,10 @@ SHOWN = 2e-4
 
 
 @pytest.fixture(scope="module")
-def checks() -> ModuleType:
+def checks() -> Iterator[ModuleType]:
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(ROOT / "benchmarks"))
-        return importlib.import_module("validation_checks")
+        yield importlib.import_module("validation_checks")
 
 
 def rows() -> dict[str, list[str]]:
