@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -71,6 +71,8 @@ def scene_of(run: Run, title: str | None = None) -> Scene:
         begin = len(poses) - 1 if stage.done is run.final else begin
     shown = {figure.key for pose in poses for figure in pose.figures if np.isfinite(figure.values).any()}
     quantities = tuple(one for one in asked if one.key in shown)
+    # What is known of no shape, such as the stress of a wire that is given as a matrix, is not told at all.
+    poses = [replace(pose, figures=tuple(one for one in pose.figures if one.key in shown)) for pose in poses]
     return Scene(
         title=run.case.title or "Formed grid" if title is None else title,
         index=whole.index,
