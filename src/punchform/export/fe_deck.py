@@ -49,14 +49,14 @@ class _Wires:
 
 
 def write_decks(run: Run, folder: Path) -> tuple[Path, ...]:
-    """Write springback.inp and released.inp of the last release of a run, or formed.inp of one that has none.
+    """Write springback.inp and released.inp of the last release of a run, or formed.inp of one that ends in its tool.
 
     springback.inp starts where the stage before the release left the grid, pushed by the forces of the tool, and lets
     them go; released.inp starts in the released shape and puts the loads on. Raises InputError for wires that are only
     known by a matrix, and for crossings with springs; OSError.
     """
     _refuse(run)
-    last = next((k for k, stage in reversed(list(enumerate(run.stages))) if isinstance(stage.done, Released)), None)
+    last = _last_release(run)
     settings = [
         stage.settings
         for stage in run.stages[: None if last is None else last]
@@ -74,6 +74,14 @@ def write_decks(run: Run, folder: Path) -> tuple[Path, ...]:
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8", newline="\n")
     return tuple(folder / name for name in texts)
+
+
+def _last_release(run: Run) -> int | None:
+    """The number of the stage of the last release; None without one, or when a later press has undone it."""
+    kinds = [stage.kind for stage in run.stages if stage.kind in ("press", "release")]
+    if kinds[-1] == "press":
+        return None
+    return max(k for k, stage in enumerate(run.stages) if stage.kind == "release")
 
 
 def _released(run: Run, last: int, wires: _Wires) -> dict[str, str]:
@@ -118,7 +126,7 @@ def _text(
     model = beams(whole, wires.elements, wires.bars, count=wires.count, welded=wires.welded, clamped=support.clamped)
     same = square(section)
     sets = {"CROSSINGS": np.flatnonzero(whole.between == 0), "RIM": _wire_ends(whole)}
-    lines = (*heading(run, f"FE deck, {what}"), *_told(run, section.diameter))
+    lines = (*heading(run, f"FE deck, {what}").lines, *_told(run, section.diameter))
     stress = stresses(model, whole, loads, same.side)
     return deck(lines, model, same, stress, support=support, sets=sets, steps=steps)
 
