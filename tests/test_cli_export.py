@@ -42,6 +42,17 @@ def test_an_old_export_is_replaced_only_on_request(folder: Path, tmp_path: Path)
     assert [main(command), main(command), main([*command, "--overwrite"])] == [0, 2, 0]
 
 
+@pytest.mark.parametrize(("place", "said"), [(".", "replace"), ("..", "replace"), ("more", "stand among")])
+@pytest.mark.parametrize("more", [[], ["--overwrite"]])
+def test_the_run_itself_is_never_replaced(
+    folder: Path, place: str, said: str, more: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    assert main(["export", str(folder), "--to", "vtp", "-o", str(folder / place), *more]) == 2
+    assert said in capsys.readouterr().err
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
 @pytest.mark.parametrize(
     ("run", "said"),
     [("nowhere", "no such folder"), (".", "not a punchform run"), ("file", "no such folder")],

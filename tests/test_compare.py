@@ -267,6 +267,20 @@ def test_the_run_itself_is_never_replaced(
     assert (run / NODES).is_file()
 
 
+def test_the_points_that_are_compared_are_never_replaced(
+    run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As those in the folder of an export, which --overwrite would otherwise replace."""
+    folder = tmp_path / "files"
+    folder.mkdir()
+    (folder / RESULT).write_text('{"schema": 1, "version": "0"}')
+    points = write_points(folder / "cloud.csv", measured(run)[0])
+    command = ["compare", str(run), str(points), "-o", str(folder), "--overwrite"]
+    assert main(command) == Exit.UNUSABLE_INPUT
+    assert "replace" in capsys.readouterr().err
+    assert points.is_file()
+
+
 def test_a_cloud_of_nothing_near_the_run_is_said(run: Path, tmp_path: Path) -> None:
     line = np.outer(np.linspace(0, 600, 9), [1.0, 0.0, 0.0])
     nodes = np.column_stack((np.arange(9), np.arange(9))).astype(np.float64)

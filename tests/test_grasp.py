@@ -18,6 +18,7 @@ from punchform.case import ParaboloidProfile
 from punchform.case.reading import case_from_text
 from punchform.errors import InputError
 from punchform.export.grasp import Surface, objects, sfc, write_grasp
+from punchform.export.heading import Heading
 from punchform.export.smooth_heights import heights
 from punchform.run import Run, run
 
@@ -194,7 +195,7 @@ def test_the_fitted_frame_sees_a_leaning_dish_upright() -> None:
     own = np.column_stack((x, y, -(x**2 + y**2) / (4 * 55.0)))
     points = own @ pose.rotation.T + pose.shift + (0.0, 0.0, target.apex_height)
     seen = (points - (0.0, 0.0, target.apex_height)) * (1.0, -1.0, -1.0)
-    _, members = read_tor(objects(("title", "units", "frame", "version"), [], pose))["fitted_frame"]
+    _, members = read_tor(objects(Heading("title", "objects", "units", "frame", "version"), [], pose))["fitted_frame"]
     first, second = numbers(members["x_axis"]), numbers(members["y_axis"])
     local = (seen - numbers(members["origin"])) @ np.column_stack((first, second, np.cross(first, second)))
     np.testing.assert_allclose(local[:, 2], (local[:, :2] ** 2).sum(axis=1) / (4 * 55.0), atol=1e-9)

@@ -81,6 +81,24 @@ def check_folder(folder: str | Path, *, overwrite: bool = False) -> Path:
     return path
 
 
+def keep_apart(output: str | Path, *sources: str | Path) -> None:
+    """Refuse a folder for results that would replace the runs and files they are made from, or stand within such a run.
+
+    Raises InputError for the folder of a run or a file, every folder above it, and those below a run.
+    """
+    target = Path(os.path.expanduser(output)).resolve()
+    for source in sources:
+        kept = Path(os.path.expanduser(source)).resolve()
+        is_run = _read_result(kept) is not None
+        if (is_run or kept.is_file()) and (target == kept or target in kept.parents):
+            replaced = "the run that they are about" if is_run else f"{source}, which they are made from"
+            raise InputError.of(f"the results would replace {replaced}", where=str(output), hint="name another folder")
+        if is_run and kept in target.parents:
+            raise InputError.of(
+                "the results would stand among the files of a run", where=str(output), hint="name another folder"
+            )
+
+
 def check_growing_folder(folder: str | Path, mark: str) -> tuple[Path, bool]:
     """The absolute path of a folder to which results are added one by one, and whether it holds some: it is free, or
     has the file `mark`. Raises InputError for everything else, as `check_folder` does."""

@@ -167,6 +167,18 @@ def test_hinges_are_two_places_on_the_common_normal() -> None:
     np.testing.assert_allclose(off, 0.375, rtol=1e-9)
 
 
+def test_arms_are_made_once_and_every_node_has_its_use() -> None:
+    done = shallow()
+    stage = done.released
+    assert stage is not None
+    model = model_of(done, stage)
+    assert len(np.unique(model.arms[:, 1])) == len(model.arms)
+    ends = np.column_stack((model.arms[:, 0], np.round(model.places[model.arms[:, 1]], 9)))
+    assert len(np.unique(ends, axis=0)) == len(model.arms)
+    used = np.concatenate([part.ravel() for part in (model.wires, model.arms, model.ties, model.centres)])
+    np.testing.assert_array_equal(np.unique(used[used >= 0]), np.arange(len(model.places)))
+
+
 def test_beams_run_along_the_wire_that_the_element_knows() -> None:
     """Of a flat grid they are the unloaded centreline, and their lengths its length."""
     done = run(case_from_text(DISH.replace("GRID", "").replace("HOLD", '"nothing"').replace("LOAD", "")))

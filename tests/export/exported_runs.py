@@ -15,6 +15,7 @@ from punchform.run import run as form
 LOAD = "[load]\ngravity = [0, 0, -1]\n"
 STAGES = 'stages = ["press", { trim = { radius = "65 mm" } }, "release", "press", "release"]'
 TRIMMED_LAST = 'stages = ["press", "release", { trim = { radius = "55 mm" } }]'
+PRESSED_AGAIN = 'stages = ["press", "release", { trim = { radius = "65 mm" } }, "press"]'
 CIRCLE = 'blank = { shape = "circle", radius = "70 mm" }'
 FILLET = 'fillet = "20 mm"'
 NOTCHED = """blank = { shape = "polygon", points = [[-90, -70], [90, -70], [90, -55], [65, -55], [65, 0], [85, 0],
@@ -51,6 +52,7 @@ MADE: Mapping[str, Callable[[], Run]] = {
     "cut between crossings": lambda: dish_of(grid="subdivide = 2"),
     "loaded": lambda: dish_of(first="title = \"Schüssel ✓ '1'\"", more=LOAD),
     "in stages": lambda: dish_of(first=STAGES),
+    "pressed again": lambda: dish_of(first=PRESSED_AGAIN),
     "let go whole": lambda: dish_of(release='symmetry = "full"', first=TRIMMED_LAST),
     "trimmed last": lambda: dish_of(first=TRIMMED_LAST),
     "notched": lambda: dish_of(blank=NOTCHED),

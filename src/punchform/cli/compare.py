@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Literal
 
@@ -18,7 +17,7 @@ from punchform.export.compare import COMPARISON, POINTS, comparison_json, mark_j
 from punchform.measured import Comparison, Predicted, Wish, compare, read_cloud
 from punchform.report.compare import alignment_words, motion_words, write_comparison_report
 from punchform.report.words import size
-from punchform.store import CASE, RESULT, check_folder, read_run, write_folder
+from punchform.store import CASE, RESULT, check_folder, keep_apart, read_run, write_folder
 from punchform.units import ANGLE, UnitError, quantity
 
 
@@ -44,7 +43,7 @@ def compare_points(
     Raises InputError for a run, cloud, folder or quantity that cannot be used, and for an alignment that these
     points do not allow.
     """
-    _keep_run(run, output)
+    keep_apart(output, run, points)
     check_folder(output, overwrite=overwrite)
     _fits_alignment(align, fit_to=fit_to, rim_points=rim_points, clock=clock)
     wish = Wish(align, fit_to, rim_points, _clock(clock), drop_outliers)
@@ -123,15 +122,6 @@ def _judgement(done: Comparison) -> str:
         return "none given"
     word = "within" if done.within else "out of"
     return f"{word} {size(table.tolerance, 'mm')} rms; {100 * table.in_tol:.4g} % of the points within ± that"
-
-
-def _keep_run(run: str, output: str) -> None:
-    """Refuse to write over the run that is compared."""
-    target, kept = (Path(os.path.expanduser(place)).resolve() for place in (output, run))
-    if target == kept or target in kept.parents:
-        raise InputError.of(
-            "the results would replace the run that they are about", where=output, hint="name another folder"
-        )
 
 
 def _fits_alignment(align: str, *, fit_to: str | None, rim_points: str | None, clock: str | None) -> None:

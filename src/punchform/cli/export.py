@@ -17,14 +17,16 @@ from punchform.export.heading import UNITS, frame_of
 from punchform.export.result import RESULT_SCHEMA
 from punchform.run import Run
 from punchform.shell import Shell
-from punchform.store import CASE, RESULT, check_folder, load, write_folder
+from punchform.store import CASE, RESULT, check_folder, keep_apart, load, write_folder
 
 
 def export_run(run: str, to: list[str], output: str, *, overwrite: bool, voice: Voice, as_json: bool) -> Exit:
     """Write the files of a run folder in the formats named, or in all of them that can be written here and show it.
 
-    Raises InputError for a folder that is not a run or cannot be written, and for what a format cannot show.
+    Raises InputError for a folder that is not a run, for one that cannot be written or would replace the run, and for
+    what a format cannot show.
     """
+    keep_apart(output, run)
     check_folder(output, overwrite=overwrite)
     done = load(run)
     names = tuple(FORMATS) if "all" in to else tuple(dict.fromkeys(to))

@@ -61,76 +61,69 @@ def beams(
     passes = np.zeros((len(whole.positions), 2), dtype=bool)
     for ends in (whole.start, whole.end):
         passes[ends, whole.family - 1] = True
-    work = _Growing(whole.positions)
-    centres = _centres(work, passes, welded)
+    centres, doubled = _centres(passes, welded)
     off_o = whole.sigma * (bars.offset - bars.rise)[whole.kind]
     off_b = whole.sigma * bars.offset[whole.kind]
     step = float(bars.length.max())
-    arms = _Arms(work, whole, centres, AT_NODE * step)
-    at_o, at_b = arms.to(whole.start, whole.family, off_o), arms.to(whole.end, whole.family, off_b)
     hinged = np.flatnonzero(passes.all(axis=1) & (not welded) & ~clamped)
     reach = max(float(np.abs(off_b).max()), float(np.abs(off_o).max()))
-    reach = reach if reach > AT_NODE * step else ARM * step
-    tips = [arms.to(hinged, np.full(len(hinged), w), np.full(len(hinged), reach)) for w in (1, 2)]
-    ties = np.concatenate((centres[hinged], np.column_stack(tips)))
-    inner = _between(whole, elements, work.places, at_o, at_b, 2 * count)
-    first = work.add(inner.reshape(-1, 3)).reshape(len(inner), -1)
-    chains = np.column_stack((at_o, first, at_b))
+    tips = np.full(len(hinged), reach if reach > AT_NODE * step else ARM * step)
+    one = np.ones(len(hinged), dtype=np.int64)
+    places = np.concatenate((whole.positions, whole.positions[doubled]))
+    arms, outer, ends = _arms(
+        whole,
+        centres,
+        at=np.concatenate((whole.start, whole.end, hinged, hinged)),
+        family=np.concatenate((whole.family, whole.family, one, 2 * one)),
+        off=np.concatenate((off_o, off_b, tips, tips)),
+        nothing=AT_NODE * step,
+        first=len(places),
+    )
+    places = np.concatenate((places, outer))
+    at_o, at_b, *tied = np.split(ends, np.cumsum([len(off_o), len(off_b), len(hinged)]))
+    inner = _between(whole, elements, places, at_o, at_b, 2 * count)
+    between = np.arange(inner.size // 3).reshape(inner.shape[:2]) + len(places)
+    chains = np.column_stack((at_o, between, at_b))
     return Beams(
-        places=work.places,
+        places=np.concatenate((places, inner.reshape(-1, 3))),
         wires=np.stack((chains[:, :-2:2], chains[:, 1::2], chains[:, 2::2]), axis=2).reshape(-1, 3),
         family=np.repeat(whole.family, count),
         element=np.repeat(np.arange(len(whole.family)), count),
-        arms=np.array(arms.made, dtype=np.int64).reshape(-1, 2),
-        ties=ties,
+        arms=arms,
+        ties=np.concatenate((centres[hinged], np.column_stack(tied))),
         centres=centres,
         count=count,
     )
 
 
-class _Growing:
-    """Nodes that are added one group after the other."""
-
-    def __init__(self, places: Floats) -> None:
-        self.places = places
-
-    def add(self, places: Floats) -> Ints:
-        """The numbers of new nodes at these places (n, 3)."""
-        first = len(self.places)
-        self.places = np.concatenate((self.places, places))
-        return np.arange(first, len(self.places))
+def _centres(passes: Bools, welded: bool) -> tuple[Ints, Ints]:
+    """The centre nodes (N, 2), and the nodes of the grid whose second wire has a centre of its own: those come next
+    after the nodes of the grid. The first wire that passes has the node of the grid."""
+    count = len(passes)
+    centres = np.where(passes, np.arange(count)[:, None], -1)
+    doubled = np.flatnonzero(passes.all(axis=1) & (not welded))
+    centres[doubled, 1] = count + np.arange(len(doubled))
+    return centres, doubled
 
 
-class _Arms:
-    """The stiff arms along the normals, each made once."""
+def _arms(
+    whole: Whole, centres: Ints, *, at: Ints, family: Ints, off: Floats, nothing: float, first: int
+) -> tuple[Ints, Floats, Ints]:
+    """The stiff arms (A, 2) to wires of a family (1 or 2) so far off [mm] the nodes `at` (n,) along their normals.
 
-    def __init__(self, nodes: _Growing, whole: Whole, centres: Ints, nothing: float) -> None:
-        self.nodes, self.whole, self.centres, self.nothing = nodes, whole, centres, nothing
-        self.made: list[tuple[int, int]] = []
-        self.known: dict[tuple[int, int], int] = {}
-
-    def to(self, at: Ints, family: Ints, off: Floats) -> Ints:
-        """The nodes (n,) of wires of a family (1 or 2) so far off [mm] the nodes `at` along their normals."""
-        found = np.empty(len(at), dtype=np.int64)
-        for m, (node, w, far) in enumerate(zip(at.tolist(), family.tolist(), off.tolist(), strict=True)):
-            centre = int(self.centres[node, w - 1])
-            key = centre, round(far / self.nothing)
-            if key[1] and key not in self.known:
-                place = self.whole.positions[node] + far * self.whole.normals[node]
-                self.known[key] = int(self.nodes.add(place[None])[0])
-                self.made.append((centre, self.known[key]))
-            found[m] = self.known[key] if key[1] else centre
-        return found
-
-
-def _centres(nodes: _Growing, passes: Bools, welded: bool) -> Ints:
-    """The centre nodes (N, 2): the first wire that passes has the node of the grid."""
-    numbers = np.arange(len(passes))
-    centres = np.where(passes, numbers[:, None], -1)
-    both = np.flatnonzero(passes.all(axis=1))
-    if not welded:
-        centres[both, 1] = nodes.add(nodes.places[both])
-    return np.asarray(centres)
+    Further: places (A, 3) [mm] of their outer nodes, numbered from `first` as they are first asked for, and the nodes
+    (n,) of the wires: the centre itself where they are nearer than `nothing` [mm].
+    """
+    ends = centres[at, family - 1]
+    steps = np.rint(off / nothing).astype(np.int64)
+    away = np.flatnonzero(steps)
+    _, asked, which = np.unique(np.column_stack((ends, steps))[away], axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(asked)
+    chosen = away[asked[order]]
+    outer = whole.positions[at[chosen]] + off[chosen, None] * whole.normals[at[chosen]]
+    arms = np.column_stack((ends[chosen], first + np.arange(len(chosen))))
+    ends[away] = first + np.argsort(order)[which.ravel()]
+    return arms, outer, ends
 
 
 def _between(whole: Whole, elements: tuple[Element, ...], places: Floats, at_o: Ints, at_b: Ints, count: int) -> Floats:

@@ -40,7 +40,7 @@ def csv_files(run: Run, folder: Path) -> tuple[Path, ...]:
     for number, stage in enumerate(run.stages, 1):
         texts[f"nodes_{number}_{stage.kind}.csv"] = stage_nodes_csv(stage.done)
         texts[f"wires_{number}_{stage.kind}.csv"] = wires_csv(stage.done)
-    texts[TOLD] = "\n".join((*heading(run, "tables"), COLUMNS, ""))
+    texts[TOLD] = "\n".join((*heading(run, "tables").lines, COLUMNS, ""))
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8", newline="\n")
     return tuple(folder / name for name in texts)

@@ -27,13 +27,13 @@ def dxf_files(run: Run, folder: Path) -> tuple[Path, ...]:
     """
     cuts = cut_list(run)
     blank, listed = folder / BLANK, folder / CUT_LIST
-    blank.write_bytes(blank_drawing(run.case, cuts, heading(run, "the flat blank"), rim_lines(run)))
-    told = heading(run, "cut list of the flat blank; wires end at their last crossings inside its outline")
+    blank.write_bytes(blank_drawing(run.case, cuts, heading(run, "the flat blank").lines, rim_lines(run)))
+    told = heading(run, "cut list of the flat blank; wires end at their last crossings inside its outline").lines
     listed.write_text(cut_list_csv(cuts, told), encoding="utf-8", newline="\n")
     written = [blank, listed]
     for name, stage in shapes(run).items():
         path = folder / f"{name}.dxf"
-        path.write_bytes(wires_drawing(stage.whole, heading(run, f"the wires, {name}")))
+        path.write_bytes(wires_drawing(stage.whole, heading(run, f"the wires, {name}").lines))
         written.append(path)
     return tuple(written)
 

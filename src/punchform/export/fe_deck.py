@@ -51,15 +51,15 @@ class _Wires:
 
 
 def write_decks(run: Run, folder: Path) -> tuple[Path, ...]:
-    """Write springback.inp and released.inp of the last release of a run, or formed.inp of one that has none, and
-    deck_nodes.csv, which tells which crossing each node is.
+    """Write springback.inp and released.inp of the last release of a run, or formed.inp of one that ends in its tool,
+    and deck_nodes.csv, which tells which crossing each node is.
 
     springback.inp starts where the stage before the release left the grid, pushed by the forces of the tool, and lets
     them go; released.inp starts in the released shape and puts the loads on. Raises InputError for wires that are only
     known by a matrix, and for crossings with springs; OSError.
     """
     _refuse(run)
-    last = next((k for k, stage in reversed(list(enumerate(run.stages))) if isinstance(stage.done, Released)), None)
+    last = _last_release(run)
     settings = [
         stage.settings
         for stage in run.stages[: None if last is None else last]
@@ -84,6 +84,14 @@ def nodes_table(whole: Whole) -> str:
     """The text of the table that tells which crossing (i, j) a node of the decks is, and its place in the flat [mm]."""
     numbers = np.arange(1, len(whole.index) + 1)
     return rows_csv(NODE_COLUMNS, np.column_stack((numbers, whole.index, whole.between)), whole.flat[:, :2])
+
+
+def _last_release(run: Run) -> int | None:
+    """The number of the stage of the last release; None without one, or when a later press has undone it."""
+    kinds = [stage.kind for stage in run.stages if stage.kind in ("press", "release")]
+    if kinds[-1] == "press":
+        return None
+    return max(k for k, stage in enumerate(run.stages) if stage.kind == "release")
 
 
 def _released(run: Run, last: int, wires: _Wires) -> dict[str, str]:
@@ -128,12 +136,12 @@ def _text(
     model = beams(whole, wires.elements, wires.bars, count=wires.count, welded=wires.welded, clamped=support.clamped)
     same = square(section)
     sets = {"CROSSINGS": np.flatnonzero(whole.between == 0), "RIM": _wire_ends(whole)}
-    lines = (*heading(run, f"FE deck, {what}"), *_told(run, section.diameter))
+    lines = (*heading(run, f"FE deck, {what}").lines, *_told(run, section.diameter, chord=wires.bars.chord))
     stress = stresses(model, whole, loads, same.side)
     return deck(lines, model, same, stress, support=support, sets=sets, steps=steps)
 
 
-def _told(run: Run, diameter: float) -> Iterator[str]:
+def _told(run: Run, diameter: float, *, chord: bool) -> Iterator[str]:
     """What to know of a deck."""
     wire = run.case.wire
     yield f"written for CalculiX (ccx); {NODES} tells which crossing node n is; more nodes follow"
@@ -143,6 +151,9 @@ def _told(run: Run, diameter: float) -> Iterator[str]:
     yield "*INITIAL CONDITIONS: the forces and moments in the wires; without them the grid is another, free of stress"
     if wire.yields:
         yield "the wires have flowed: they are elastic about this state, crimped as when new, and do not yield further"
+    if not chord:
+        yield 'the run read its wires from their ends O: where they bend much from crossing to crossing its springback is'
+        yield '  another than that of these beams, which agree with press.frame = "chord"'
     yield "sets: GRID, CROSSINGS, RIM (wire ends), HELD (nodes); WIRES_X, WIRES_Y, ARMS (elements)"
     yield "Abaqus: see docs/exports.md; elements are B32, the section CIRC, and initial stresses are written otherwise"
 

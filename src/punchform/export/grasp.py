@@ -17,7 +17,8 @@ import numpy as np
 from punchform.accuracy import Pose, Target
 from punchform.arrays import Floats
 from punchform.errors import InputError
-from punchform.export.heading import heading
+from punchform.export.heading import Heading, heading
+from punchform.export.shapes import shapes
 from punchform.export.smooth_heights import heights
 from punchform.prepare import prepare
 
@@ -28,6 +29,8 @@ FINER = 2.0
 """How many times finer than the wires the grid of a surface is."""
 ROUGH = 0.1
 """Crossings this far from the heights that are written, as a part of the step, are not what they show."""
+SHOWN = ("formed", "released")
+"""Shapes of which there is a surface."""
 CORNERS = 360
 """Points of the rim."""
 RIM, OBJECTS = "dish.rim", "dish.tor"
@@ -62,7 +65,7 @@ def write_grasp(run: Run, folder: Path) -> tuple[Path, ...]:
     target = None if run.accuracy is None else run.accuracy.target
     found = surfaces(run, target)
     texts = {one.file: sfc(_head(run, one), one) for one in found}
-    texts[RIM] = rim(f"{heading(run, 'rim of the dish')[0]}; mm; {FRAME}; {heading(run, '')[-1]}", found[0].radius)
+    texts[RIM] = rim(_words(heading(run, "rim of the dish")), found[0].radius)
     pose = None if run.accuracy is None else run.accuracy.fitted.fit.pose
     texts[OBJECTS] = objects(heading(run, "reflectors for GRASP"), [(one.name, one.file) for one in found], pose)
     for name, text in texts.items():
@@ -80,8 +83,8 @@ def surfaces(run: Run, target: Target | None) -> list[Surface]:
     x, y = np.meshgrid(line, line, indexing="ij")
     places = np.column_stack((x.ravel(), y.ravel()))
     found = []
-    for name, stage in (("formed", run.formed), ("released", run.released)):
-        if stage is None:
+    for name, stage in shapes(run).items():
+        if name not in SHOWN:
             continue
         whole = stage.whole
         points = (whole.positions[whole.between == 0] - (0.0, 0.0, apex)) * FLIP
@@ -122,7 +125,7 @@ def rim(head: str, radius: float) -> str:
     return "\n".join([head, f"{CORNERS}", *(f"{x:.7f} {y:.7f}" for x, y in points.tolist())]) + "\n"
 
 
-def objects(head: Sequence[str], named: Sequence[tuple[str, str]], pose: Pose | None) -> str:
+def objects(head: Heading, named: Sequence[tuple[str, str]], pose: Pose | None) -> str:
     """The text of the .tor file: frames, rim, and a surface and a reflector for each (name, file).
 
     pose: of the best fit, which becomes a frame of its own with the focus on its z axis.
@@ -136,7 +139,7 @@ def objects(head: Sequence[str], named: Sequence[tuple[str, str]], pose: Pose | 
             "y_axis": _struct(-turn[:, 1]),
             "base": "ref(vertex_frame)",
         }
-        told = f"{head[0].partition(': ')[0]}: the best fit of the last shape"
+        told = f"{head.title}: the best fit of the last shape"
         focus = "" if pose.f is None else f"; its focus lies at z = {pose.f:.6f} mm"
         parts.append(f"// {told}{focus}\n" + _object("fitted_frame", "coor_sys", frame))
     edge = {"file_name": RIM, "unit": "mm", "number_of_points": str(CORNERS)}
@@ -147,14 +150,18 @@ def objects(head: Sequence[str], named: Sequence[tuple[str, str]], pose: Pose | 
         surfaces = f"sequence(ref({name}_surface))"
         members = {"coor_sys": "ref(vertex_frame)", "surfaces": surfaces, "rim": "ref(dish_rim)"}
         parts.append(_object(f"{name}_reflector", "reflector", members))
-    return "\n".join((*(f"// {line}" for line in (*head[:2], FRAME, head[-1])), "", *parts))
+    return "\n".join((*(f"// {line}" for line in (*head.lines[:2], FRAME, head.version)), "", *parts))
 
 
 def _head(run: Run, surface: Surface) -> str:
     """The one line that a surface has for words."""
-    title = run.case.title.replace("\n", " ")
     met = "" if surface.name == "target" else f"; crossings within {surface.missed:.2g} mm of its spline"
-    return f"{title}: {surface.name} surface; mm; {FRAME}{met}; {heading(run, '')[-1]}"
+    return _words(heading(run, f"{surface.name} surface"), met)
+
+
+def _words(head: Heading, more: str = "") -> str:
+    """A heading in one line."""
+    return f"{head.first}; mm; {FRAME}{more}; {head.version}"
 
 
 def _object(name: str, kind: str, members: dict[str, str]) -> str:

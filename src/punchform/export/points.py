@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -87,9 +88,9 @@ def target_points(run: Run) -> tuple[Ints, Floats, Floats]:
 
 def _head(run: Run, what: str, where: str, limit: float | None) -> tuple[str, ...]:
     """The heading with the unit said as readers of points look for it."""
-    title, _, frame, version = heading(run, what)
+    head = replace(heading(run, what), units="mm")
     limited = () if limit is None else ("tolerance: the limit that the case sets to the rms deviation",)
-    return (title, "units: mm", frame, f"{where}; nx, ny, nz: unit normal, upwards", *limited, version)
+    return (*head.lines[:-1], f"{where}; nx, ny, nz: unit normal, upwards", *limited, head.version)
 
 
 def _written(path: Path, text: str) -> Path:

@@ -35,7 +35,7 @@ def shell_csv(shell: Shell, folder: Path) -> tuple[Path, ...]:
         "nodes.csv": stage_nodes_csv(shell.formed),
         "wires.csv": wires_csv(shell.formed),
         "ends.csv": "\n".join((*rows, "")),
-        TOLD: "\n".join((*heading(shell, "tables"), columns, WIRE_WORDS, "")),
+        TOLD: "\n".join((*heading(shell, "tables").lines, columns, WIRE_WORDS, "")),
     }
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8", newline="\n")
@@ -47,22 +47,22 @@ def shell_dxf(shell: Shell, folder: Path) -> tuple[Path, ...]:
     whole = shell.formed.whole
     cuts = cuts_of(whole, prepare_shell(shell.case).elements, np.zeros(len(whole.family), dtype=bool))
     blank, listed, formed = folder / BLANK, folder / CUT_LIST, folder / f"{FORMED}.dxf"
-    blank.write_bytes(blank_drawing(shell.case, cuts, heading(shell, "the flat wires")))
-    told = heading(shell, "cut list of the flat wires")
+    blank.write_bytes(blank_drawing(shell.case, cuts, heading(shell, "the flat wires").lines))
+    told = heading(shell, "cut list of the flat wires").lines
     listed.write_text(cut_list_csv(cuts, told), encoding="utf-8", newline="\n")
-    formed.write_bytes(wires_drawing(whole, heading(shell, "the wires, arched up")))
+    formed.write_bytes(wires_drawing(whole, heading(shell, "the wires, arched up").lines))
     return blank, listed, formed
 
 
 def shell_vtp(shell: Shell, folder: Path) -> tuple[Path, ...]:
     """Write shape.vtp: the wires with their fields. Raises OSError."""
-    write_vtp(folder / SHAPE, shell.formed, head=heading(shell, "the wires, arched up"))
+    write_vtp(folder / SHAPE, shell.formed, head=heading(shell, "the wires, arched up").lines)
     return (folder / SHAPE,)
 
 
 def shell_vtu(shell: Shell, folder: Path) -> tuple[Path, ...]:
     """Write formed.vtu: wires and cells with all that is known. Raises OSError."""
     path = folder / f"{FORMED}.vtu"
-    text = unstructured(shell.formed, None, heading(shell, "wires and cells, arched up"))
+    text = unstructured(shell.formed, None, heading(shell, "wires and cells, arched up").lines)
     path.write_text(text, encoding="ascii", newline="\n")
     return (path,)

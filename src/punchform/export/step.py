@@ -49,13 +49,13 @@ def step_files(run: Run, folder: Path) -> tuple[Path, ...]:
         if isinstance(stage, Formed):
             told += f", in the middles of cells within {no_more_than(off_the_punch(spline, stage))} mm of the punch"
         path = folder / f"{name}.step"
-        path.write_bytes(step_bytes(face, name, (*heading(run, f"the shape, {name}"), told)))
+        path.write_bytes(step_bytes(face, name, (*heading(run, f"the shape, {name}").lines, told)))
         written.append(path)
     for name, tool in punches(run).items():
         solid, missed = punch_solid(tool, radius=EDGE * tool.rim_radius, plate=PLATE)
         path = folder / f"{name}.step"
         told = f"within {no_more_than(missed)} mm of the punch"
-        path.write_bytes(step_bytes(solid, name, (*heading(run, WHAT[name]), told)))
+        path.write_bytes(step_bytes(solid, name, (*heading(run, WHAT[name]).lines, told)))
         written.append(path)
     return tuple(written)
 

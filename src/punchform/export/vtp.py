@@ -30,7 +30,7 @@ def vtp_files(run: Run, folder: Path) -> tuple[Path, ...]:
     whole = run.formed.whole
     judged = None if run.case.stages is None else places_in(run.final.whole.flat, whole.flat)
     path = folder / SHAPE
-    head = heading(run, "the wires, formed; where they are after a release is in their data")
+    head = heading(run, "the wires, formed; where they are after a release is in their data").lines
     write_vtp(path, run.formed, released_on(run, whole), run.accuracy, judged, head=head)
     return (path,)
 

@@ -31,7 +31,7 @@ def vtu_files(run: Run, folder: Path) -> tuple[Path, ...]:
     for name, stage in shapes(run).items():
         judged = run.accuracy if _same_nodes(stage, run) else None
         path = folder / f"{name}.vtu"
-        text = unstructured(stage, judged, heading(run, f"wires and cells, {name}"))
+        text = unstructured(stage, judged, heading(run, f"wires and cells, {name}").lines)
         path.write_text(text, encoding="ascii", newline="\n")
         written.append(path)
     return tuple(written)
