@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 
 from punchform import Drape, Run, drape, form_shell, read_case, run
 from punchform.case import varied
+from punchform.case.reading import case_from_text
 from punchform.errors import InputError
 from punchform.grid import Grid
 from punchform.report import notebook
@@ -30,6 +31,13 @@ def elastic(symmetry: str = "quarter") -> Run:
     """A small dish of elastic wires with a target."""
     case = tiny_dish.case("[load]\npressure = '1 Pa'\n")
     return run(varied(case, {"grid.symmetry": symmetry}))
+
+
+@cache
+def pressed_again() -> Run:
+    """The small dish, let go, trimmed and pressed once more: it lies in the tool."""
+    stages = 'schema = 1\nstages = ["press", "release", { trim = { radius = "65 mm" } }, "press"]'
+    return run(case_from_text(tiny_dish.TEXT.replace("schema = 1", stages)))
 
 
 @cache
@@ -147,6 +155,29 @@ def test_the_fields_are_those_of_the_run() -> None:
     assert sunk.max() == pytest.approx(np.linalg.norm(done.released.moved, axis=1).max())
     assert stage_of(done, "press 1") is done.formed
     assert stage_of(done, "loaded") is done.loaded
+
+
+def test_what_a_later_press_has_undone_is_there_by_its_name_alone() -> None:
+    done = pressed_again()
+    assert done.released is not None
+    assert "springback" in checked(elastic()._repr_html_())
+    assert "springback" not in checked(done._repr_html_()), "the dish lies in the tool"
+    told = "no stage 'released'; it has: formed, press 1, release 1, trim 1, press 2"
+    with pytest.raises(ValueError, match=re.escape(told)):
+        done.plot("shape", "released")
+    assert stage_of(done, "release 1") is done.released
+    moved = field_of(done, "moved", "release 1").values
+    assert moved.max() == pytest.approx(np.linalg.norm(done.released.moved, axis=1).max())
+    assert "deviation" not in fields(done, "release 1")
+    assert "deviation" in fields(done, "formed"), "what was judged last is the dish in the tool"
+
+
+def test_the_deviation_is_shown_of_a_release_that_counts_its_moves_from_another_stage() -> None:
+    stages = 'schema = 1\nstages = ["press", { release = { hold = "rim" } }, "release"]'
+    done = run(case_from_text(tiny_dish.TEXT.replace("schema = 1", stages)))
+    assert done.accuracy is not None
+    assert stage_of(done, "released").whole is done.final.whole
+    assert (np.isfinite(field_of(done, "deviation", "released").values) == done.accuracy.mask).all()
 
 
 def test_a_plan_shows_as_many_colours_as_it_has_values() -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from punchform.arrays import Floats
+from punchform.export.told import told
 from punchform.load import Loaded
 from punchform.press import Formed
 from punchform.release import Released
@@ -35,9 +36,11 @@ class Field:
 def stage_of(run: Run, stage: str) -> Done:
     """The stage of a run: "formed", "released" or "loaded", or the name of one of `run.stages`, such as "trim 1".
 
-    Raises ValueError for a stage that the run has not, with those that it has.
+    A release or a load that a later press has undone is there by its name alone, such as "release 1". Raises ValueError
+    for a stage that the run has not, with those that it has.
     """
-    known: dict[str, Done | None] = {"formed": run.formed, "released": run.released, "loaded": run.loaded}
+    left = told(run)
+    known: dict[str, Done | None] = {"formed": left.formed, "released": left.released, "loaded": left.loaded}
     known |= {one.name: one.done for one in run.stages}
     found = known.get(stage)
     if found is None:
@@ -66,7 +69,8 @@ def fields(run: Run, stage: str) -> dict[str, Field]:
         found.append(Field("plastic_strain", "plastic strain [%]", "wires", 100 * whole.plastic_strain))
     if isinstance(done, Released | Loaded):
         found.append(Field("moved", "move [mm]", "crossings", np.linalg.norm(done.moved, axis=1)))
-    if run.accuracy is not None and done is run.final:
+    # A release is told with remarks of its own; its whole grid is the one that was judged.
+    if run.accuracy is not None and done.whole is run.final.whole:
         judge, aligned = run.accuracy.judge, run.accuracy
         chosen = aligned.as_held if judge.alignment == "as held" else aligned.fitted
         values = np.where(aligned.mask, chosen.deviations.of(judge.measure), np.nan)

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from punchform.arrays import Floats
 from punchform.errors import InputError
 from punchform.export.result import all_notes, largest
+from punchform.export.told import told
 from punchform.report.accuracy_words import judgement
 from punchform.report.fields import Field, field_of, stage_of
 from punchform.report.figures.shape import draw_whole
@@ -143,8 +144,9 @@ def draw_shape_of(whole: Whole) -> Figure:
 
 
 def html_of_run(run: Run) -> str:
-    """A table of a run with its verdict, and its last shape."""
-    formed, accuracy = run.formed, run.accuracy
+    """A table of a run with its verdict, and its last shape; of what a later press has undone it says nothing."""
+    left = told(run)
+    formed, accuracy = left.formed, left.accuracy
     rows = {
         "outcome": formed.outcome.value,
         "grid": f"{formed.whole.crossings} crossings, {len(formed.whole.family)} wire pieces",
@@ -155,11 +157,11 @@ def html_of_run(run: Run) -> str:
     stress = largest(formed.whole.stress)
     if stress is not None:
         rows["largest stress"] = size(stress, "MPa")
-    if run.released is not None:
-        apex, lowest = size(run.released.apex, "mm", 3), size(run.released.max_sag, "mm", 3)
+    if left.released is not None:
+        apex, lowest = size(left.released.apex, "mm", 3), size(left.released.max_sag, "mm", 3)
         rows["springback"] = f"{apex} at the apex, {lowest} where it sinks most"
-    if run.loaded is not None:
-        rows["under load"] = f"{size(run.loaded.rms_deflection, 'mm', 3)} rms deflection"
+    if left.loaded is not None:
+        rows["under load"] = f"{size(left.loaded.rms_deflection, 'mm', 3)} rms deflection"
     if accuracy is not None:
         rows["accuracy"] = judgement(accuracy)
     notes = all_notes(run)
