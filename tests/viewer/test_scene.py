@@ -15,12 +15,12 @@ from punchform.arrays import Floats
 from punchform.case import read_case
 from punchform.case.reading import case_from_text
 from punchform.drape import drape
-from punchform.export.vtp import judging, node_shear
 from punchform.report.drape import write_drape_report
 from punchform.report.viewer import Pose, Scene, scene_of, scene_of_net, scene_of_shell
 from punchform.report.viewer.skins import punch_skin
 from punchform.run import Run, run
 from punchform.shell import form_shell
+from punchform.whole import node_shear
 
 STAGES = 'schema = 1\nstages = ["press", { trim = { radius = "62 mm" } }, "release"]'
 
@@ -101,7 +101,7 @@ def test_the_reference_on_the_target_is_a_deviation_away(dish: Run) -> None:
     inside = np.isfinite(nearest).all(axis=1)
     assert inside.sum() >= accuracy.nodes
     away = np.linalg.norm(pose.positions - nearest, axis=1)[accuracy.mask]
-    np.testing.assert_allclose(away, np.abs(judging(accuracy).deviations.normal[accuracy.mask]), atol=1e-9)
+    np.testing.assert_allclose(away, np.abs(accuracy.aligned.deviations.normal[accuracy.mask]), atol=1e-9)
 
 
 def test_strokes_lie_between_flat_and_formed_on_the_lowered_punch() -> None:
@@ -158,7 +158,7 @@ def test_skins_lie_on_their_surfaces(dish: Run) -> None:
         float(np.hypot(*dish.formed.whole.positions.T[:2]).max())
     )
     assert dish.accuracy is not None
-    pose = judging(dish.accuracy).fit.pose
+    pose = dish.accuracy.aligned.fit.pose
     assert np.abs(deviations(target.points.reshape(-1, 3), dish.accuracy.target, pose).normal).max() < 1e-9
 
 

@@ -71,9 +71,8 @@ def fields(run: Run, stage: str) -> dict[str, Field]:
         found.append(Field("moved", "move [mm]", "crossings", np.linalg.norm(done.moved, axis=1)))
     # A release is told with remarks of its own; its whole grid is the one that was judged.
     if run.accuracy is not None and done.whole is run.final.whole:
-        judge, aligned = run.accuracy.judge, run.accuracy
-        chosen = aligned.as_held if judge.alignment == "as held" else aligned.fitted
-        values = np.where(aligned.mask, chosen.deviations.of(judge.measure), np.nan)
+        judge = run.accuracy.judge
+        values = np.where(run.accuracy.mask, run.accuracy.aligned.deviations.of(judge.measure), np.nan)
         label = f"{judge.measure} deviation, {judge.alignment} [mm]"
         found.append(Field("deviation", label, "crossings", values, signed=True))
     return {one.name: one for one in found if np.isfinite(one.values).any()}

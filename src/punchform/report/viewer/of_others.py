@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from punchform.export.vtp import node_shear
 from punchform.report.viewer.scene import Figure, Pose, Quantity, Scene, Skin
 from punchform.report.viewer.shaped import AXIAL, MOMENT, SHEAR, figures_of, places, stress_quantity, wires_in_order
 from punchform.report.viewer.skins import punch_skin
+from punchform.whole import node_shear
 
 if TYPE_CHECKING:
     from punchform.case import Case

@@ -10,7 +10,6 @@ import numpy as np
 from punchform.accuracy import Accuracy, feet
 from punchform.arrays import Floats, Ints
 from punchform.export.told import laid
-from punchform.export.vtp import judging, node_shear
 from punchform.report.release_words import hold_words
 from punchform.report.viewer.scene import Figure, Mark, Pose, Quantity, Scene, Skin
 from punchform.report.viewer.shaped import (
@@ -28,7 +27,7 @@ from punchform.report.viewer.shaped import (
 )
 from punchform.report.viewer.skins import punch_skin, target_skin
 from punchform.report.words import percent, size
-from punchform.whole import cell_shear, unfold_vectors
+from punchform.whole import cell_shear, node_shear, unfold_vectors
 
 if TYPE_CHECKING:
     from punchform.case import ReleaseCase
@@ -111,7 +110,7 @@ def _deviation_quantities(accuracy: Accuracy) -> tuple[Quantity, ...]:
     label = f"{judge.measure} deviation from the target"
     held = Quantity(HELD, f"{label}, as held", "mm", "node", signed=True, note="+ upwards", marks=marks)
     fit = Quantity(FIT, f"{label}, best fit", "mm", "node", signed=True, note="+ upwards", marks=marks)
-    return (held, fit) if judge.alignment == "as held" else (fit, held)
+    return (held, fit) if accuracy.aligned is accuracy.as_held else (fit, held)
 
 
 def _pose(run: Run, stage: Stage, last: Stage | None, at: Places, before: Pose, asked: tuple[Quantity, ...]) -> Pose:
@@ -184,7 +183,7 @@ def _on_target(accuracy: Accuracy, whole: Whole) -> Floats:
     """The nearest points of the target (N, 3) [mm], as it is judged, to the nodes in the aperture; NaN for others."""
     nearest = np.full_like(whole.positions, np.nan)
     inside = accuracy.aperture.mask(whole.positions)
-    nearest[inside] = feet(whole.positions[inside], accuracy.target, judging(accuracy).fit.pose)
+    nearest[inside] = feet(whole.positions[inside], accuracy.target, accuracy.aligned.fit.pose)
     return nearest
 
 
@@ -204,5 +203,5 @@ def _skins(run: Run, poses: list[Pose]) -> tuple[Skin, ...]:
     skins = (punch_skin(run.formed.surface, reach),)
     if run.accuracy is None:
         return skins
-    pose = judging(run.accuracy).fit.pose
+    pose = run.accuracy.aligned.fit.pose
     return (*skins, target_skin(run.accuracy.target, pose, run.accuracy.aperture.radius))

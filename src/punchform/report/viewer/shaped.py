@@ -9,9 +9,8 @@ import numpy as np
 
 from punchform.arrays import Floats, Ints
 from punchform.export.told import spread
-from punchform.export.vtp import node_shear
 from punchform.report.viewer.scene import Figure, Mark, Quantity
-from punchform.whole import places_in
+from punchform.whole import node_shear, places_in
 
 if TYPE_CHECKING:
     from punchform.whole import Whole
