@@ -23,6 +23,8 @@ from punchform.errors import InputError
 from punchform.grid import Grid
 from punchform.report import notebook
 from punchform.report.fields import field_of, fields, stage_of
+from punchform.report.quantities import readings
+from punchform.report.viewer import scene_of
 from punchform.shell import Shell
 
 
@@ -98,7 +100,8 @@ def test_a_run_shows_its_verdict_and_its_figures() -> None:
     assert f"{done.formed.whole.crossings} crossings" in told
     assert "tolerance of 0.500" in told
     yielding = checked(stretched.dish()._repr_html_())
-    assert "largest elongation" in yielding
+    assert "largest elongation of the wire" in yielding
+    assert "largest strain of the wire by its pull" in told
     assert not re.search("[✔✘]", yielding), "nothing is judged without a target"
 
 
@@ -143,9 +146,9 @@ def test_the_fields_are_those_of_the_run() -> None:
     done = elastic()
     whole, accuracy = done.formed.whole, done.accuracy
     assert accuracy is not None
-    assert np.array_equal(field_of(done, "contact", "formed").values, whole.contact)
-    assert field_of(done, "shear", "formed").values.max() == pytest.approx(np.degrees(done.formed.max_shear))
-    assert field_of(done, "strain", "formed").values.max() == pytest.approx(100 * done.formed.max_axial_strain)
+    assert np.array_equal(field_of(done, "contact_force", "formed").values, whole.contact)
+    assert np.abs(field_of(done, "shear", "formed").values).max() == pytest.approx(np.degrees(done.formed.max_shear))
+    assert field_of(done, "axial_strain", "formed").values.max() == pytest.approx(100 * done.formed.max_axial_strain)
     deviation = field_of(done, "deviation", "released").values
     assert (np.isfinite(deviation) == accuracy.mask).all()
     rms = np.sqrt(np.average(deviation[accuracy.mask] ** 2, weights=accuracy.weights[accuracy.mask]))
@@ -180,6 +183,33 @@ def test_the_deviation_is_shown_of_a_release_that_counts_its_moves_from_another_
     assert (np.isfinite(field_of(done, "deviation", "released").values) == done.accuracy.mask).all()
 
 
+@pytest.mark.parametrize("which", ["elastic", "yielding"])
+def test_a_quantity_has_one_name_and_unit_wherever_it_is_shown(which: str) -> None:
+    done: Run = CASES[which]()
+    yields = which == "yielding"
+    table = {one.key: one for one in readings(yields=yields)}
+    assert len(table) == len(readings(yields=yields)), "a key for each"
+    known = fields(done, "formed")
+    for key in known.keys() & table.keys():
+        one = table[key]
+        assert (known[key].label, known[key].place, known[key].signed) == (one.legend, one.place, one.signed)
+    seen = {one.key: one for one in scene_of(done).quantities}
+    for key in seen.keys() & table.keys():
+        assert (seen[key].label, seen[key].unit, seen[key].signed) == (
+            table[key].label,
+            table[key].unit,
+            table[key].signed,
+        )
+    assert seen.keys() & table.keys() >= {"shear", "axial_force", "moment", "stress", "contact_force"}
+    assert known["axial_strain"].label == (
+        "elongation of the wire [%]" if yields else "strain of the wire by its pull [%]"
+    )
+    assert ("plastic_strain" in table) is ("plastic_strain" in seen) is ("axial_strain" in seen) is yields
+    if done.accuracy is not None:
+        judged = field_of(done, "deviation", "released").label
+        assert judged == f"{seen['deviation_held'].label} [{seen['deviation_held'].unit}]"
+
+
 def test_a_plan_shows_as_many_colours_as_it_has_values() -> None:
     figure = elastic().plot("height")
     drawn = [one for one in figure.axes[0].collections if isinstance(one, PathCollection)]
@@ -191,7 +221,7 @@ def test_a_plan_shows_as_many_colours_as_it_has_values() -> None:
     ("field", "stage", "told"),
     [
         ("shears", "formed", "no field 'shears' of the stage 'formed'; there are: shape, height, shear, axial_force"),
-        ("contact", "released", "no field 'contact' of the stage 'released'"),
+        ("contact_force", "released", "no field 'contact_force' of the stage 'released'"),
         ("shape", "cut", "no stage 'cut'; it has: formed, released, loaded, press 1, release 1, load 1"),
     ],
 )

@@ -189,7 +189,7 @@ def cell_shear(positions: Floats, cells: Ints) -> Floats:
 
 
 def node_shear(nodes: int, cells: Ints, shear: Floats) -> Floats:
-    """Mean of the shear (K,) [rad] of the cells (K, 4) around each node, (N,); NaN for a node without a cell."""
+    """Mean of the shear (K,) of the cells (K, 4) around each node, (N,), in its unit; NaN for a node without a cell."""
     corners = cells.ravel()
     total = np.bincount(corners, np.repeat(shear, 4), nodes)
     count = np.bincount(corners, minlength=nodes)

@@ -42,6 +42,7 @@ from punchform.report.figures.style import (
     wire_width,
 )
 from punchform.report.figures.wires import draw_wires_of
+from punchform.report.quantities import strain
 from punchform.report.words import energy, percent, size
 from punchform.run import Run
 
@@ -91,10 +92,10 @@ def plot_run_3d(run: Run, field: str, stage: str, off_screen: bool) -> Any:
     pyvista: Any = import_module("pyvista")
     wires = np.column_stack((np.full(len(whole.start), 2), whole.start, whole.end))
     mesh = pyvista.PolyData(np.where(np.isfinite(whole.positions), whole.positions, 0.0), lines=wires.ravel())
-    if shown.on == "cells":
+    if shown.place == "cell":
         faces = np.column_stack((np.full(len(whole.cells), 4), whole.cells))
         mesh = pyvista.PolyData(whole.positions, faces=faces.ravel())
-    data = mesh.point_data if shown.on == "crossings" else mesh.cell_data
+    data = mesh.point_data if shown.place == "node" else mesh.cell_data
     data[shown.label] = shown.values
     plotter = pyvista.Plotter(off_screen=off_screen)
     reach = float(np.nanmax(np.abs(shown.values)))
@@ -106,7 +107,7 @@ def plot_run_3d(run: Run, field: str, stage: str, off_screen: bool) -> Any:
         clim=(least, reach if shown.signed else float(np.nanmax(shown.values))),
         line_width=3,
         scalar_bar_args={"fmt": "%.3g", "title": shown.label},
-        show_edges=shown.on == "cells",
+        show_edges=shown.place == "cell",
     )
     return plotter
 
@@ -152,7 +153,7 @@ def html_of_run(run: Run) -> str:
         "grid": f"{formed.whole.crossings} crossings, {len(formed.whole.family)} wire pieces",
         "energy in the tool": energy(formed.energy),
         "largest shear": size(math.degrees(formed.max_shear), "°", 3),
-        "largest elongation" if formed.hardening else "largest strain": percent(formed.max_axial_strain),
+        f"largest {strain(yields=formed.hardening is not None).label}": percent(formed.max_axial_strain),
     }
     stress = largest(formed.whole.stress)
     if stress is not None:
@@ -219,9 +220,9 @@ def _upwards(values: Floats) -> Normalize:
 def _drawn(run: Run, whole: Whole, shown: Field, width: float) -> tuple[Any, Any, float]:
     """Outlines, values and line width [pt] of what is known of a field."""
     known = np.isfinite(shown.values)
-    if shown.on == "cells":
+    if shown.place == "cell":
         return whole.positions[whole.cells[known]][:, :, :2], shown.values[known], 0.3
-    if shown.on == "wires":
+    if shown.place == "wire":
         ends = np.column_stack((whole.start, whole.end))[known]
         return whole.positions[ends][:, :, :2], shown.values[known], 0.6 * width
     known &= whole.between == 0
