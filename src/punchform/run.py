@@ -80,8 +80,9 @@ class Run:
     def plot(self, field: str = "shape", stage: str = "formed") -> Figure:
         """A figure of a stage: its "shape", or in plan "height", "shear", "axial_force", "stress", "deviation", ...
 
-        stage: "formed", "released", "loaded", or the name of one of `stages`. Raises ValueError for a field or a stage
-        that the run has not, with those that it has.
+        stage: "formed", "released", "loaded", or the name of one of `stages`; what a later press has undone is there by
+        its name alone, such as "release 1". Raises ValueError for a field or a stage that the run has not, with those
+        that it has.
         """
         figure: Figure = drawing_room().plot_run(self, field, stage)
         return figure

@@ -200,6 +200,8 @@ def test_the_verdict_follows_measure_and_alignment() -> None:
     assert held.within is False
     best = measure_case(points, cells, CASE.model_copy(update={"alignment": "best fit"}), apex_height=0.0)
     assert best.judged == best.named("4-parameter").statistics["normal"]
+    assert (held.aligned, best.aligned) == (held.as_held, best.fitted)
+    assert held.aligned_for(best.judge) is held.fitted, "as another run is judged"
     assert best.judged.rms < held.judged.rms
     assert best.within is True
     raised = measure_case(points, cells, CASE, apex_height=0.5)

@@ -8,7 +8,6 @@ import numpy as np
 
 from punchform.accuracy import Accuracy, Statistics, deviations, statistics
 from punchform.case import HoldFrom
-from punchform.export.vtp import judging
 from punchform.report.words import percent, size
 
 if TYPE_CHECKING:
@@ -105,7 +104,7 @@ def _against_tolerance(run: Run, accuracy: Accuracy) -> str:
 
 
 def _made_of(accuracy: Accuracy) -> str:
-    aligned = judging(accuracy)
+    aligned = accuracy.aligned
     told: list[str] = []
     sum_of_shares = 0.0
     for name, share in makeup(aligned):
@@ -144,7 +143,7 @@ def _in_the_tool(run: Run, accuracy: Accuracy) -> str:
 
 
 def _by_fit(accuracy: Accuracy) -> str:
-    if judging(accuracy) is not accuracy.as_held:
+    if accuracy.aligned is not accuracy.as_held:
         return ""
     fit, measure = accuracy.fitted, accuracy.judge.measure
     left, f = fit.statistics[measure].rms, fit.fit.pose.f
@@ -180,7 +179,7 @@ def _by_hold(run: Run, accuracy: Accuracy) -> str:
 
 
 def _by_ribs(run: Run, accuracy: Accuracy) -> str:
-    lobes = sum(share for name, share in makeup(judging(accuracy)) if name.isdigit() and int(name) >= 2)
+    lobes = sum(share for name, share in makeup(accuracy.aligned) if name.isdigit() and int(name) >= 2)
     if lobes < MUCH or run.case.release is None:
         return ""
     ribs = "more ribs (`release.ribs`)" if run.case.release.ribs else "ribs (`release.ribs`), a hoop or spokes,"
@@ -188,7 +187,7 @@ def _by_ribs(run: Run, accuracy: Accuracy) -> str:
 
 
 def _by_punch(run: Run, accuracy: Accuracy) -> str:
-    shares = dict(makeup(judging(accuracy)))
+    shares = dict(makeup(accuracy.aligned))
     round_part = shares.get("mean", 0.0) + shares.get("0", 0.0)
     if run.released is None or round_part < OWN or _gone(accuracy):
         return ""

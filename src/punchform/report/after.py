@@ -11,7 +11,6 @@ from punchform.accuracy import MEASURES, Accuracy
 from punchform.antenna import SPEED_OF_LIGHT, highest_frequency, loss
 from punchform.arrays import Floats
 from punchform.export.result import largest
-from punchform.export.vtp import judging
 from punchform.report.accuracy_words import ROUNDING, in_the_tool
 from punchform.report.figures.deviation import parts_of
 from punchform.report.release_words import hold_words
@@ -65,7 +64,7 @@ def _deviation_matrix(accuracy: Accuracy) -> Matrix:
         (aligned.name if measure == MEASURES[0] else "", measure, *_numbers(row, values))
         for (aligned, measure, _), row in zip(found, values, strict=True)
     ]
-    judged = judging(accuracy)
+    judged = accuracy.aligned
     upwards = "upwards" if accuracy.target.focal_length is None else "upwards, away from the focus"
     marked = [k for k, (one, measure, _) in enumerate(found) if one is judged and measure == accuracy.judge.measure]
     return Matrix(
@@ -103,7 +102,7 @@ def _parameter_matrix(accuracy: Accuracy) -> Matrix:
 
 
 def _parts_matrix(accuracy: Accuracy) -> tuple[Matrix, ...]:
-    aligned = judging(accuracy)
+    aligned = accuracy.aligned
     if aligned.harmonics is None:
         return ()
     names, sizes = parts_of(aligned)
@@ -133,7 +132,7 @@ def _ruze_matrix(accuracy: Accuracy) -> Matrix:
     rows = [("half-path σ", *(size(error, "mm") for error in errors))]
     rows += [(f"{f:g} GHz ({band})", *(_loss(error, f) for error in errors)) for f, band in BANDS]
     rows += [(f"{dB:g} dB are lost at", *(_frequency(error, dB) for error in errors)) for dB in LOSSES]
-    judged = judging(accuracy)
+    judged = accuracy.aligned
     return Matrix(
         "Loss of gain after Ruze, by the weighted half-path σ",
         ("", *(aligned.name for aligned in shown)),

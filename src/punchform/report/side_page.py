@@ -12,7 +12,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from punchform.export.told import compared, told
-from punchform.export.vtp import judging
 from punchform.report.figures.conclusions import found
 from punchform.report.figures.contact import draw_contact
 from punchform.report.figures.deviation import draw_deviation
@@ -180,13 +179,13 @@ def _to(kind: Kind, reach: float, run: Run) -> Figure:
 def _reach_of_deviation(run: Run) -> float | None:
     if run.accuracy is None:
         return None
-    values = judging(run.accuracy).deviations.of(run.accuracy.judge.measure)[run.accuracy.mask]
+    values = run.accuracy.aligned.deviations.of(run.accuracy.judge.measure)[run.accuracy.mask]
     return reach_of(values, run.accuracy.judge.tolerance)
 
 
 def _deviation(run: Run, reach: float) -> Figure:
     assert run.accuracy is not None
-    return draw_deviation(run, run.accuracy, judging(run.accuracy), reach=reach)
+    return draw_deviation(run, run.accuracy, run.accuracy.aligned, reach=reach)
 
 
 def _reach_of_stress(run: Run, *, released: bool) -> float | None:
