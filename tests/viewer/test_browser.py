@@ -230,6 +230,54 @@ def test_the_legend_tells_name_unit_and_extent(show: Opener) -> None:
     assert high == pytest.approx(np.abs(whole.F[:, 0]).max(), rel=1e-5)
 
 
+def test_every_legend_has_ticks_and_tells_where_its_bar_ends_too_early(show: Opener) -> None:
+    tab = show("stretched")
+    for key in tab.js("viewer.quantities.map(one => one.key)"):
+        tab.js(f"viewer.ask({{ colour: '{key}' }})")
+        assert tab.page.locator(".pf-tick").count() >= 3, key
+        low, high = tab.js("viewer.uniforms.range.value")
+        values = np.array(tab.js("[...viewer.told].filter(value => value > -1e29)"))
+        assert tab.page.locator(".pf-beyond-high").count() == (values.max() > high * (1 + 1e-6)), key
+        assert tab.page.locator(".pf-beyond-low").count() == (values.min() < low * (1 + 1e-6)), key
+        signed = tab.js(f"viewer.quantity('{key}').signed")
+        assert low == (-high if signed and values.min() < -1e-4 * values.max() else 0), key
+
+
+def test_a_mark_that_figures_pass_is_on_the_bar(show: Opener) -> None:
+    tab, done = show("stretched"), stretched.dish()
+    assert done.formed.hardening is not None
+    strength, stress = done.formed.hardening.yield_strength, done.formed.whole.stress
+    assert stress.max() > strength
+    tab.js("viewer.ask({ time: viewer.scene.poses.findIndex(pose => pose.name === 'in the tool'), colour: 'stress' })")
+    assert tab.page.locator(".pf-mark").count() == 1
+    assert tab.js("viewer.uniforms.range.value")[1] > strength
+    assert "line: yield strength" in tab.page.locator(".pf-extent").inner_text()
+
+
+def test_a_mark_near_which_no_figure_comes_does_not_pale_the_picture(show: Opener) -> None:
+    tab = show()
+    tab.js(
+        "(viewer.quantity('deviation_held').marks.forEach(mark => { mark.value *= 100; }), viewer.ranges.clear(), 0)"
+    )
+    tab.js("viewer.ask({ colour: 'deviation_held' })")
+    assert tab.page.locator(".pf-mark").count() == 0
+    assert "tolerance 50 mm is farther off" in tab.page.locator(".pf-extent").inner_text().replace("\u00a0", " ")
+
+
+def test_the_families_of_wires_have_a_key_in_their_colours(show: Opener) -> None:
+    tab = show()
+    tab.js("viewer.ask({ colour: '' })")
+    told = tab.page.locator(".pf-families > span").all_inner_texts()
+    assert [one.strip() for one in told] == ["wires along x", "wires along y"]
+    colour = "getComputedStyle(document.querySelector('.pf-swatch{}')).backgroundColor"
+    for family in (1, 2):
+        shown = re.findall(r"\d+", tab.page.evaluate(colour.format(family)))
+        drawn = tab.js(f"viewer.families[{family - 1}][1].material.uniforms.plain.value.map(part => 255 * part)")
+        assert [int(part) for part in shown] == pytest.approx(drawn, abs=0.6)
+    tab.js("viewer.ask({ colour: 'shear' })")
+    assert not tab.page.locator(".pf-families").is_visible()
+
+
 def test_a_figure_not_told_of_a_shape_takes_one_of_which_it_is(show: Opener) -> None:
     tab = show()
     tab.page.locator(".pf-head select").select_option("contact_force")

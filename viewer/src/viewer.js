@@ -1,7 +1,7 @@
 // One viewer: its state, and what follows from a change of it.
 
 import { ClampToEdgeWrapping, DataTexture, LinearFilter, RGBAFormat } from "three";
-import { colourMap, rgb } from "./colours.js";
+import { colourMap, mapFor, rgb } from "./colours.js";
 import { controls } from "./controls.js";
 import { element } from "./element.js";
 import { KEYS, pressed } from "./keys.js";
@@ -86,7 +86,7 @@ class Viewer {
       class: "pf-canvas", tabindex: "0", role: "application", "aria-label": `3D view of ${scene.title}: the wires of the grid. Arrow keys walk from node to node; the keys are listed below.`,
     });
     this.overlay = overlay();
-    this.legend = legend();
+    this.legend = legend(scene);
     this.panel = panel(scene);
     this.controls = controls(scene, (asked) => this.ask(asked), act);
     const views = [["oblique", "Oblique"], ["top", "Top"], ["side", "Side"]].map(([name, label]) =>
@@ -133,7 +133,7 @@ class Viewer {
       drawnOnce: () => this.over(),
       turned: () => this.group.turned(this, this.stage.pose),
     });
-    this.map = new DataTexture(colourMap(false, "light"), 256, 1, RGBAFormat);
+    this.map = new DataTexture(colourMap("rising", "light"), 256, 1, RGBAFormat);
     Object.assign(this.map, { minFilter: LinearFilter, magFilter: LinearFilter, wrapS: ClampToEdgeWrapping });
     const uniforms = {
       map: { value: this.map }, range: { value: [0, 1] }, coloured: { value: false }, missing: { value: [0.5, 0.5, 0.5] },
@@ -215,7 +215,7 @@ class Viewer {
     const range = quantity && told && this.group.range(this, own, state.colour, state.robust, state.steady, pose.name);
     if (range) uniforms.range.value = [range.low, range.high];
     uniforms.coloured.value = Boolean(quantity);
-    const bytes = colourMap(Boolean(quantity?.signed), this.ground ?? "light");
+    const bytes = colourMap(range ? mapFor(quantity.signed, range) : "rising", this.ground ?? "light");
     this.map.image.data.set(bytes);
     this.map.needsUpdate = true;
     this.legend.show(quantity, range, bytes, pose.name);
