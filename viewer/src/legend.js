@@ -41,7 +41,7 @@ export function legend(scene) {
       bar.replaceChildren(...noted, ...beyond.map(([end]) => arrow(end, map)));
       marks.replaceChildren(...told);
       const [least, largest] = [significant(range.least, 4), withUnit(significant(range.largest, 4), quantity.unit)];
-      const words = [`all values from ${least} to ${largest}${beyond.length ? ", beyond the bar in the colour of its arrow" : ""}`];
+      const words = [`all values from ${least} to ${largest}${beyond.length ? " (arrow: off the bar)" : ""}`];
       const named = quantity.marks.find((one) => one.label);
       if (named) {
         const value = withUnit(significant(Math.abs(named.value), 4), quantity.unit);
