@@ -280,8 +280,18 @@ def test_the_families_of_wires_have_a_key_in_their_colours(show: Opener) -> None
 
 def test_a_figure_not_told_of_a_shape_takes_one_of_which_it_is(show: Opener) -> None:
     tab = show()
-    tab.page.locator(".pf-head select").select_option("contact_force")
-    assert tab.js("viewer.scene.poses[viewer.state.time].name") == "in the tool"
+    select, caption = tab.page.locator(".pf-head select"), tab.page.locator(".pf-caption")
+    pose = "viewer.scene.poses[viewer.state.time].name"
+    tab.page.get_by_role("button", name="released", exact=True).click()
+    select.select_option("contact_force")
+    assert tab.js(pose) == "in the tool"
+    assert "not told of \u201creleased\u201d" in caption.inner_text()
+    select.select_option("load_moved")
+    assert tab.js(pose) == "loaded"
+    select.select_option("axial_force")
+    assert tab.js(pose) == "released"
+    assert "not told" not in caption.inner_text()
+    select.select_option("contact_force")
     tab.page.get_by_role("button", name="flat", exact=True).click()
     assert "not told of the shape" in tab.page.locator(".pf-extent").inner_text()
 

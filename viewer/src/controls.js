@@ -55,7 +55,7 @@ export function controls(scene, ask, act) {
       robust.box.checked = state.robust;
       steady.box.checked = state.steady;
       slider.value = state.time;
-      slider.setAttribute("aria-valuetext", caption(scene, state.time, state.reference, state.times));
+      slider.setAttribute("aria-valuetext", caption(scene, state));
       chips.forEach((chip, number) => chip?.setAttribute("aria-pressed", String(state.time === number)));
       for (const [key, made] of shown) made.box.checked = state.show[key];
       quarter.box.checked = state.quarter;
@@ -64,7 +64,7 @@ export function controls(scene, ask, act) {
       enlarged.textContent = `\u00d7${state.times}`;
       const can = scene.poses[Math.round(state.time)].references.has(state.reference);
       enlarging.classList.toggle("pf-off", !can);
-      said.textContent = caption(scene, state.time, state.reference, state.times);
+      said.textContent = caption(scene, state);
       play.textContent = state.playing ? "Stop" : "Play";
     },
   };

@@ -68,7 +68,7 @@ class Viewer {
     for (const family of [1, 2]) if (scene.family.includes(family)) show[`family${family}`] = true;
     return {
       time: scene.begin, colour: scene.colour ?? "", robust: true, steady: false, times: 1, quarter: false,
-      reference: [...begun.references.keys()].pop() ?? "", show, picked: null, playing: null,
+      reference: [...begun.references.keys()].pop() ?? "", show, picked: null, playing: null, instead: null,
     };
   }
 
@@ -145,11 +145,11 @@ class Viewer {
     for (const [, part] of [...this.families, ...this.skins]) this.stage.scene.add(part.object);
   }
 
-  /** Change the state as asked and show it. A colouring that is not told of this shape takes one of which it is. */
+  /** Change the state as asked and show it. A colouring that is not told of this shape takes one of which it is, until
+   * another is told of this shape again. */
   ask(asked) {
     const before = this.state;
-    this.state = { ...before, ...asked, show: { ...before.show, ...asked.show } };
-    if (asked.colour) this.goWhereTold(asked.colour);
+    this.change(asked);
     if ("time" in asked && !asked.byPlay && before.playing) before.playing.stop();
     this.refresh();
     this.group.changed(this, this.named(asked));
@@ -175,18 +175,25 @@ class Viewer {
     }
     if (told.colour && !this.quantities.some((one) => one.key === told.colour)) delete told.colour;
     if (told.reference && !this.scene.poses.some((pose) => pose.references.has(told.reference))) delete told.reference;
-    this.state = { ...this.state, ...told, show: { ...this.state.show, ...told.show } };
-    if (told.colour) this.goWhereTold(told.colour);
+    this.change(told);
     this.refresh();
   }
 
+  change(asked) {
+    const instead = "time" in asked ? null : this.state.instead;
+    this.state = { ...this.state, ...asked, instead, show: { ...this.state.show, ...asked.show } };
+    if ("colour" in asked) this.goWhereTold(asked.colour);
+  }
+
   goWhereTold(key) {
+    const { state, scene: { poses } } = this;
     const quantity = this.quantity(key);
-    const { poses } = this.scene;
-    const can = (pose) => pose.figures.has(quantity.of);
-    if (!quantity || can(poses[Math.round(this.state.time)])) return;
-    const first = poses.findLastIndex(can);
-    if (first >= 0) this.state.time = first;
+    const wanted = state.instead?.time ?? state.time;
+    const can = (time) => !quantity || poses[Math.round(time)].figures.has(quantity.of);
+    const found = [wanted, state.time].find(can) ?? poses.findLastIndex((_, number) => can(number));
+    if (found < 0) return;
+    state.instead = found === wanted ? null : { time: wanted, name: poses[Math.round(wanted)].name };
+    state.time = found;
   }
 
   quantity(key) {

@@ -34,13 +34,14 @@ export function whole(value) {
   return String(value).replace("-", MINUS);
 }
 
-/** What the picture shows at a place of the slider. */
-export function caption(scene, time, reference, times) {
+/** What the picture of a state shows, and in place of which shape where the colouring chose it. */
+export function caption(scene, { time, reference, times, instead }) {
   const before = Math.floor(time);
   const here = scene.poses[before];
   if (time !== before) return `Between \u201c${here.name}\u201d and \u201c${scene.poses[before + 1].name}\u201d: drawn only, not computed.`;
   const enlarged = times > 1 && here.references.has(reference) ? ` Moves from ${fromWhat(reference)} are drawn ${times} times as large.` : "";
-  return `${here.name[0].toUpperCase()}${here.name.slice(1)}: ${here.told}.${enlarged}`;
+  const chosen = instead ? ` Shown because the colouring is not told of \u201c${instead.name}\u201d.` : "";
+  return `${here.name[0].toUpperCase()}${here.name.slice(1)}: ${here.told}.${chosen}${enlarged}`;
 }
 
 /** A reference in a sentence. */
