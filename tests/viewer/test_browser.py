@@ -318,6 +318,38 @@ def test_moves_are_enlarged_from_their_reference(show: Opener) -> None:
     assert "drawn 20 times as large" in tab.page.locator(".pf-caption").inner_text()
 
 
+@pytest.mark.parametrize("reference", ["in the tool", "the target"])
+def test_moves_are_enlarged_to_three_tenths_of_the_grid_and_stay_in_the_picture(show: Opener, reference: str) -> None:
+    tab, scene = show(), scene_of(dish())
+    tab.js(f"(viewer.look('side'), viewer.ask({{ reference: '{reference}', times: 1000 }}))")
+    times, factors = tab.js("viewer.state.times"), tab.js("viewer.factors()")
+    moves = [
+        pose.positions - dict(pose.references)[reference] for pose in scene.poses if reference in dict(pose.references)
+    ]
+    largest = max(float(np.nanmax(np.linalg.norm(one, axis=1))) for one in moves)
+    width = float(np.ptp(scene.poses[0].positions[:, :2], axis=0).max())
+    assert times == factors[-1]
+    assert times * largest <= 0.3 * width
+    assert times == 1000 or 2.5 * times * largest > 0.3 * width
+    drawn = "[...viewer.scene.i].map((_, k) => viewer.stage.seen(viewer.points.slice(3 * k, 3 * k + 3)))"
+    seen = tab.js(drawn)
+    spots = np.array([[np.nan if part is None else part for part in spot] for spot in seen])
+    size = tab.js("[viewer.canvas.clientWidth, viewer.canvas.clientHeight]")
+    assert np.nanmin(spots) >= 0
+    assert (np.nanmax(spots, axis=0) <= size).all()
+    scale = tab.js("viewer.stage.scale")
+    tab.js("viewer.ask({ times: 1 })")
+    assert tab.js("viewer.stage.scale") >= scale
+
+
+def test_moves_enlarged_in_a_near_view_leave_it_where_it_is(show: Opener) -> None:
+    tab = show()
+    tab.js("viewer.stage.zoom(4)")
+    before = tab.js("viewer.stage.pose")
+    tab.js("viewer.ask({ times: 50 })")
+    assert tab.js("viewer.stage.pose") == before
+
+
 def test_the_keyboard_walks_from_node_to_node(show: Opener) -> None:
     tab = show()
     canvas, title = tab.page.locator(".pf-canvas"), tab.page.locator(".pf-panel h3")

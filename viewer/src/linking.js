@@ -32,6 +32,11 @@ export function linking() {
       const reach = Math.max(-low, high);
       return { ...own, low: -reach, high: reach };
     },
+    /** The factors by which moves can be enlarged in all members alike. */
+    factors(self, reference) {
+      const all = linked && members.length > 1 ? members : [self];
+      return all.map((member) => member.ownFactors(reference)).reduce((a, b) => (b.length < a.length ? b : a));
+    },
     refresh(self) { others(self, (member) => member.refresh()); },
   };
 }

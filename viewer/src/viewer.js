@@ -4,7 +4,8 @@ import { ClampToEdgeWrapping, DataTexture, LinearFilter, RGBAFormat } from "thre
 import { colourMap, mapFor, rgb } from "./colours.js";
 import { controls } from "./controls.js";
 import { element } from "./element.js";
-import { KEYS, pressed } from "./keys.js";
+import { factors } from "./enlarging.js";
+import { KEYS, nextOf, pressed } from "./keys.js";
 import { legend } from "./legend.js";
 import { overlay } from "./overlay.js";
 import { panel } from "./panel.js";
@@ -46,7 +47,9 @@ class Viewer {
     this.table = crossings(scene);
     this.points = new Float32Array(3 * scene.nodes);
     this.ranges = new Map();
+    this.enlargings = new Map();
     this.state = this.first();
+    this.farther = false;
     this.build();
     // The layout of a viewer that is there, so that the picture knows its size.
     root.dataset.ready = "true";
@@ -80,6 +83,7 @@ class Viewer {
       look: (name) => this.look(name),
       turn: (across, up) => { this.stage.turn(across, up); },
       zoom: (factor) => this.stage.zoom(factor),
+      enlarge: () => this.ask({ times: nextOf(this.factors(), this.state.times) }),
       walk: (axis, step) => this.walk(axis, step),
     };
     this.canvas = element("canvas", {
@@ -151,7 +155,7 @@ class Viewer {
     const before = this.state;
     this.change(asked);
     if ("time" in asked && !asked.byPlay && before.playing) before.playing.stop();
-    this.refresh();
+    this.showAsked(asked);
     this.group.changed(this, this.named(asked));
   }
 
@@ -176,7 +180,7 @@ class Viewer {
     if (told.colour && !this.quantities.some((one) => one.key === told.colour)) delete told.colour;
     if (told.reference && !this.scene.poses.some((pose) => pose.references.has(told.reference))) delete told.reference;
     this.change(told);
-    this.refresh();
+    this.showAsked(told);
   }
 
   change(asked) {
@@ -202,6 +206,8 @@ class Viewer {
 
   refresh() {
     const { state, scene, uniforms } = this;
+    const offered = this.factors();
+    state.times = offered.findLast((factor) => factor <= state.times);
     const quantity = this.quantity(state.colour);
     const shape = Math.round(state.time);
     const pose = scene.poses[shape];
@@ -226,7 +232,7 @@ class Viewer {
     this.map.image.data.set(bytes);
     this.map.needsUpdate = true;
     this.legend.show(quantity, range, bytes, pose.name);
-    this.controls.show(state);
+    this.controls.show(state, offered);
     this.panel.show(state.picked, pose);
     this.stage.again();
   }
@@ -255,6 +261,13 @@ class Viewer {
     return this.ranges.get(name);
   }
 
+  factors() { return this.group.factors(this, this.state.reference); }
+
+  ownFactors(reference) {
+    if (!this.enlargings.has(reference)) this.enlargings.set(reference, factors(this.scene, reference));
+    return this.enlargings.get(reference);
+  }
+
   coloursOfTheGround() {
     const { colours, ground } = this.theme;
     this.ground = ground;
@@ -267,18 +280,31 @@ class Viewer {
     this.refresh();
   }
 
-  /** The points that the picture has to hold: the flat grid and the shape at the end. */
+  /** The points that the picture has to hold: the shape at the end, and the one that is shown as it is drawn. */
   reach() {
-    const flat = drawn(this.scene, 0, "", 1, new Float32Array(3 * this.scene.nodes));
-    const end = drawn(this.scene, this.scene.begin, "", 1, new Float32Array(3 * this.scene.nodes));
-    const both = new Float32Array(6 * this.scene.nodes);
-    both.set(end);
-    both.set(this.state.time < 1 ? flat : end, 3 * this.scene.nodes);
+    const { scene, state } = this;
+    const size = 3 * scene.nodes;
+    const both = new Float32Array(2 * size);
+    drawn(scene, scene.begin, "", 1, both.subarray(0, size));
+    drawn(scene, state.time < 1 ? 0 : state.time, state.reference, state.times, both.subarray(size));
     return both;
+  }
+
+  /** Show what was asked: where enlarged moves drive the shape out of the picture, from farther off, and nearer again
+   * when they are enlarged less. */
+  showAsked(asked) {
+    const { stage } = this;
+    const enlarging = "times" in asked || "reference" in asked;
+    const held = (enlarging || this.state.times > 1) && stage.holds(this.points);
+    this.refresh();
+    if (!held || (stage.holds(this.points) && !(enlarging && this.farther))) return;
+    stage.fit(this.reach());
+    this.farther = this.state.times > 1;
   }
 
   look(name) {
     this.stage.look(name, this.reach());
+    this.farther = this.state.times > 1;
     this.group.turned(this, this.stage.pose);
   }
 
