@@ -26,6 +26,7 @@ from punchform.report.page import is_good, spoken, write_report
 from punchform.report.release_words import hold_words, load_words, release_words
 from punchform.report.section import Matrix
 from punchform.report.viewer import Packed
+from punchform.wire.materials import materials
 
 if TYPE_CHECKING:
     from punchform.run import Run
@@ -163,6 +164,43 @@ def test_advice_goes_by_the_error() -> None:
     assert "ribs (`release.ribs`), a hoop or spokes, would" in lobed
     assert "another profile" not in lobed
     assert "more ribs" in hints(gone(four, step=10.0, release=FLANGE | {"ribs": [{"radius": 100.0}]}))
+
+
+def carrying(run: Run, most: float, strength: float = math.nan) -> Run:
+    """The run with its stress scaled to a largest of `most` [MPa], and a yield strength."""
+    whole = run.formed.whole
+    stress = whole.stress * most / whole.stress.max()
+    loaded = replace(whole, stress=stress, stress_ratio=stress / strength)
+    return replace(run, formed=replace(run.formed, whole=loaded))
+
+
+def test_a_stress_that_no_wire_bears_asks_first_for_a_wire_that_yields() -> None:
+    strongest = max(one.tensile_strength for one in materials())
+    first, *others = advice(carrying(gone(even), 1.01 * strongest))
+    assert "no wire bears 2\u202f222\u00a0MPa (the strongest in `punchform materials`, patented spring" in first
+    assert 'clamp the rim (`press.rim = "clamp"`)' in first
+    assert "Take a wire" not in hints(carrying(gone(even), 0.99 * strongest))
+    assert tuple(others) == advice(carrying(gone(even), 0.99 * strongest))
+    beyond_yield = advice(carrying(gone(even), 900.0, 300.0))[0]
+    assert "900.0\u00a0MPa are 3.00 times the yield strength" in beyond_yield
+    assert "Take a wire" not in hints(carrying(gone(even), 290.0, 300.0))
+
+
+def test_a_wire_that_yields_is_not_advised_where_it_would_not_help() -> None:
+    other = TARGET | {"profile": DISH | {"focal_length": 220.0}}
+    assert "Take a wire" not in hints(carrying(gone(still, target=other), 5000.0))
+    assert "Take a wire" not in hints(carrying(gone(even, release=None), 5000.0))
+    run = carrying(gone(even), 5000.0)
+    clamped = run.case.model_copy(update={"press": run.case.press.model_copy(update={"rim": "clamp"})})
+    assert "Take a wire" in hints(replace(run, case=clamped))
+    assert "press.rim" not in hints(replace(run, case=clamped))
+
+
+def test_what_answers_most_of_the_error_comes_first() -> None:
+    offset = hints(gone(even))
+    assert offset.index("punchform compensate") < offset.index("Hold it further in")
+    lobed = hints(gone(four, step=10.0))
+    assert lobed.index("Hold it further in") < lobed.index("ribs (")
 
 
 def test_a_best_fit_is_offered_where_it_helps_and_not_when_it_is_judged() -> None:
