@@ -15,13 +15,14 @@ from fake_run import fake_run, let_go
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from punchform.antenna import SPEED_OF_LIGHT, loss
+from punchform.antenna import SPEED_OF_LIGHT, highest_frequency, leak, leaks_above, loss
 from punchform.arrays import Floats
 from punchform.case import ReleaseCase
 from punchform.report.accuracy_words import accuracy_lead, advice, judgement, makeup
 from punchform.report.after import after_sections
 from punchform.report.figures.deviation import draw_lobes, draw_spread, parts_of
 from punchform.report.figures.gallery import gallery
+from punchform.report.gain import gain_matrix
 from punchform.report.page import is_good, spoken, write_report
 from punchform.report.release_words import hold_words, load_words, release_words
 from punchform.report.section import Matrix
@@ -287,10 +288,31 @@ def test_ruze_is_told_of_paraboloids_by_the_half_path_sigma() -> None:
     assert run.accuracy is not None
     table = next(one for one in after_sections(run)[0].matrices if one.caption.startswith("Loss of gain"))
     sigma = run.accuracy.as_held.statistics["half-path"].sigma
-    row = next(row for row in table.rows if row[0].startswith("4 GHz"))
-    assert float(row[1].split()[0]) == pytest.approx(loss(sigma, SPEED_OF_LIGHT / 4.0), rel=1e-2)
+    row = next(row for row in table.rows if row[0].startswith("1.5 GHz"))
+    assert float(row[1].split()[0]) == pytest.approx(loss(sigma, SPEED_OF_LIGHT / 1.5), rel=1e-2)
     assert any("more than 3 dB" in row[1] for row in table.rows)
     assert "as held" in table.note
+
+
+def test_frequencies_at_which_the_mesh_leaks_are_marked() -> None:
+    run = gone(four, step=10.0)
+    assert run.accuracy is not None
+    table = gain_matrix(run.case, run.accuracy)
+    assert "above about 3.0\u00a0GHz" in table.note
+    leaky = [row[0] for row in table.rows if "mesh leaks" in row[0]]
+    assert leaky == [
+        f"{f} GHz ({band}), mesh leaks" for f, band in ((4, "C"), (8, "X"), (12, "Ku"), (20, "K"), (30, "Ka"))
+    ]
+    through = [row[-1] for row in table.rows if "(L)" in row[0] or "(Ka)" in row[0]]
+    assert float(through[0].split()[0]) == pytest.approx(
+        leak(10.0, run.case.wire.diameter, SPEED_OF_LIGHT / 1.5), rel=1e-2
+    )
+    assert through[1] == "–"
+    lost = next(row for row in table.rows if row[0].startswith("0.5 dB"))
+    assert [cell.endswith("(mesh leaks)") for cell in lost[1:-1]] == [
+        highest_frequency(aligned.statistics["half-path"].sigma, 0.5) > leaks_above(10.0)
+        for aligned in (run.accuracy.as_held, run.accuracy.fitted)
+    ]
 
 
 def test_other_targets_have_no_focus_and_no_ruze() -> None:
