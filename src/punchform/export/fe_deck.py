@@ -152,7 +152,7 @@ def _told(run: Run, diameter: float, *, chord: bool) -> Iterator[str]:
     if wire.yields:
         yield "the wires have flowed: they are elastic about this state, crimped as when new, and do not yield further"
     if not chord:
-        yield "the run read its wires from their ends O: where they bend much from crossing to crossing its springback is"
+        yield "the run read its wires from their ends O: where they bend much between crossings its springback is"
         yield '  another than that of these beams, which agree with press.frame = "chord"'
     yield "sets: GRID, CROSSINGS, RIM (wire ends), HELD (nodes); WIRES_X, WIRES_Y, ARMS (elements)"
     yield "Abaqus: see docs/exports.md; elements are B32, the section CIRC, and initial stresses are written otherwise"
