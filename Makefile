@@ -49,6 +49,7 @@ demo: install
 	@echo "$(BIN)/punchform form packaged:paper -o $(RUN) --overwrite"
 	@$(BIN)/punchform form packaged:paper -o $(RUN) --overwrite || [ $$? -eq 1 ]
 	@echo
+	@test -f $(RUN)/report.html
 	@echo "report: $(CURDIR)/$(RUN)/report.html"
 
 # --- the documentation: a warning of the site and a page that says something else than the program are errors -----

@@ -28,7 +28,7 @@ def table(checks: Iterable[Check]) -> str:
 
 def row(check: Check) -> str:
     """One check as a row."""
-    test = f"`{check.test}`" if "/" in check.test else check.test
+    test = f"[`{Path(check.test).stem}`](../{check.test})" if "/" in check.test else check.test
     off = f"{check.off:.1g}" if check.off else "0"
     cells = (check.what, number(check.expected), check.source, number(check.found), off, f"{check.most:.1g}", test)
     return f"| {' | '.join(cells)} |"

@@ -1,6 +1,7 @@
 """How large a page with a viewer is, how long a browser takes to open it, and how fast the picture turns.
 
     python benchmarks/viewer_pages.py --write docs/performance.md     # between `<!-- table: viewer -->` and its end
+    python benchmarks/viewer_pages.py --reports RUN ...               # of whole reports in the folders of runs
 
 Scenes are made of closed forms: a paraboloid pressed and let go, with the figures that a run has. Each page is opened
 in a headless Chromium that draws without a graphics card. Needs `pip install punchform[test]` and a Chromium.
@@ -9,11 +10,12 @@ in a headless Chromium that draws without a graphics card. Needs `pip install pu
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import platform
 import shutil
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -126,49 +128,69 @@ def page_of(scene: Scene) -> str:
     )
 
 
-def row(browser: Browser, nodes: int, folder: Path) -> str:
-    """One line: sizes, when the first picture is there, and the mean of some pictures."""
-    scene = paraboloid(nodes)
-    path = folder / f"{nodes}.html"
-    path.write_text(page_of(scene), encoding="utf-8")
+def timed(browser: Browser, page: Path) -> tuple[float, float, float]:
+    """Seconds until the first picture of a page is there, and milliseconds of a turn and of another shape."""
     tab = browser.new_page(viewport={"width": 1280, "height": 900})
-    tab.goto(path.as_uri())
+    tab.goto(page.resolve().as_uri())
     tab.wait_for_function("document.querySelector('.pf-viewer').viewer?.stage.pictures > 0")
     opened = tab.evaluate(f"() => {{ {FINISHED} return performance.now(); }}")
     turned = tab.evaluate(PICTURES % "viewer.stage.turn(1, 0)")
     slid = tab.evaluate(PICTURES % "viewer.ask({ time: 1 + (k % 10) / 10 })")
     tab.close()
-    size = path.stat().st_size
+    return opened / 1e3, turned, slid
+
+
+def row(browser: Browser, nodes: int, folder: Path) -> str:
+    """One line of a scene of closed forms: sizes and times."""
+    scene = paraboloid(nodes)
+    path = folder / f"{nodes}.html"
+    path.write_text(page_of(scene), encoding="utf-8")
+    opened, turned, slid = timed(browser, path)
+    each = len(pack(scene).text) / len(scene.index)
     return (
-        f"| {len(scene.index)} | {len(scene.ends)} | {size / 1e6:.2f} | {len(pack(scene).text) / len(scene.index):.0f} "
-        f"| {opened / 1e3:.2f} | {turned:.0f} | {slid:.0f} |"
+        f"| {len(scene.index)} | {len(scene.ends)} | {path.stat().st_size / 1e6:.2f} | {each:.0f} "
+        f"| {opened:.2f} | {turned:.0f} | {slid:.0f} |"
     )
 
 
-def table(sizes: Sequence[int]) -> str:
-    """The table in Markdown."""
-    head = [
-        "| nodes | wire pieces | page, MB | bytes a node | seconds to open | ms a turn | ms a shape |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    with sync_playwright() as play, tempfile.TemporaryDirectory() as folder:
+def report_row(browser: Browser, run: Path) -> str:
+    """One line of a whole report: the page of a run folder."""
+    told = json.loads((run / "result.json").read_text(encoding="utf-8"))
+    page = run / "report.html"
+    opened, turned, slid = timed(browser, page)
+    size = page.stat().st_size / 1e6
+    return f"| {told['case_title']} | {told['grid']['nodes']} | {size:.2f} | {opened:.2f} | {turned:.0f} | {slid:.0f} |"
+
+
+SCENES = ("nodes", "wire pieces", "page, MB", "bytes a node", "seconds to open", "ms a turn", "ms a shape")
+REPORTS = ("report", "crossings", "page, MB", "seconds to open", "ms a turn", "ms a shape")
+
+
+def table(head: Sequence[str], rows: Callable[[Browser], Iterable[str]]) -> str:
+    """The table in Markdown, and what it was measured with."""
+    with sync_playwright() as play:
         browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
-        rows = [row(browser, nodes, Path(folder)) for nodes in sizes]
+        lines = [f"| {' | '.join(head)} |", "|" + "---|" * len(head), *rows(browser)]
         version = browser.version
         browser.close()
-    return "\n".join([*head, *rows, "", f"({platform.machine()}, {os.cpu_count()} cores, Chromium {version})"])
+    return "\n".join([*lines, "", f"({platform.machine()}, {os.cpu_count()} cores, Chromium {version})"])
 
 
 def main() -> None:
     """Print the table, and write it into a page when asked."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--nodes", type=int, nargs="+", default=[1_000, 5_000, 20_000, 100_000])
+    parser.add_argument("--reports", type=Path, nargs="+", metavar="RUN", help="run folders, in place of scenes")
     parser.add_argument("--write", type=Path)
     arguments = parser.parse_args()
-    text = table(arguments.nodes)
+    if arguments.reports:
+        text = table(REPORTS, lambda browser: [report_row(browser, run) for run in arguments.reports])
+    else:
+        with tempfile.TemporaryDirectory() as folder:
+            text = table(SCENES, lambda browser: [row(browser, nodes, Path(folder)) for nodes in arguments.nodes])
     print(text)
     if arguments.write:
-        put_between(arguments.write, "viewer", text)
+        put_between(arguments.write, "reports" if arguments.reports else "viewer", text)
 
 
 if __name__ == "__main__":

@@ -437,3 +437,18 @@ def test_every_command_is_given_the_arguments_that_it_takes() -> None:
         if "scheduler" in given:
             given = given - {"workers", "scheduler", "voice"} | {"means"}
         assert given == taken, name
+
+
+def test_a_fault_of_the_program_is_not_taken_for_an_answer(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def broken(path: str, *, voice: object, as_json: bool) -> None:
+        raise KeyError("stress")
+
+    monkeypatch.setattr("punchform.cli.check.check", broken)
+    assert main(["check", "packaged:check"]) == 70
+    said = capsys.readouterr().err
+    assert "error: a fault of punchform itself: KeyError: 'stress'" in said
+    assert "Traceback" not in said
+    assert main(["check", "packaged:check", "--verbose"]) == 70
+    assert "Traceback" in capsys.readouterr().err

@@ -19,6 +19,7 @@ from punchform.cli import main
 from punchform.mechanics.footing import normals_of
 from punchform.mechanics.outcome import Outcome
 from punchform.punch import surface
+from punchform.report.viewer import pack, scene_of
 from punchform.shell import form_shell
 from punchform.solved import Shaped
 from punchform.whole import Whole
@@ -53,6 +54,20 @@ SHOWN = ("check", "dish600", "dish1200", "hemisphere", "cone", "offset", "mask")
 @cache
 def done(name: str) -> Run:
     return run(read_case(f"packaged:{name}"))
+
+
+@pytest.mark.parametrize("name", PRESSED)
+def test_the_viewer_shows_the_case(name: str) -> None:
+    scene = scene_of(done(name))
+    told = {quantity.key for quantity in scene.quantities}
+    assert all({figure.key for figure in pose.figures} <= told for pose in scene.poses)
+    assert "shear" in told
+    assert len(pack(scene, "view").text) > 1000
+
+
+def test_the_demo_has_its_report(tmp_path: Path) -> None:
+    assert main(["form", "packaged:paper", "-o", str(tmp_path / "demo"), "--quiet"]) == 1
+    assert "The grid in three dimensions" in (tmp_path / "demo" / "report.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("name", packaged_cases())

@@ -18,8 +18,9 @@ from punchform.accuracy import MEASURES
 from punchform.arrays import Floats
 from punchform.export.result import result_json
 from punchform.export.tables import NODE_COLUMNS, WIRE_COLUMNS, nodes_csv, wires_csv
-from punchform.export.vtp import node_shear, poly_lines, write_vtp
+from punchform.export.vtp import poly_lines, write_vtp
 from punchform.store import read_run, write_run
+from punchform.whole import node_shear
 
 
 def table(text: str) -> tuple[list[str], Floats]:

@@ -139,14 +139,27 @@ def test_a_missing_member_is_named(folder: Path) -> None:
         load_run(folder)
 
 
-def test_another_case_in_the_folder_is_noticed(folder: Path) -> None:
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('diameter = "0.75 mm"', 'diameter = "0.8 mm"'),
+        ("[wire]", "[load]\ngravity = [0, 0, -1]\n\n[wire]\ndensity = 7850"),
+    ],
+    ids=["another number", "another stage"],
+)
+def test_a_case_that_was_changed_after_its_run_is_refused(folder: Path, old: str, new: str) -> None:
     path = folder / "case.toml"
     text = path.read_text(encoding="utf-8")
-    path.write_text(
-        f"{text}\n[load]\ngravity = [0, 0, -1]\n".replace("[wire]", "[wire]\ndensity = 7850"), encoding="utf-8"
-    )
-    with pytest.raises(InputError, match="damaged"):
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    with pytest.raises(InputError, match="the case was changed after the run"):
         load_run(folder)
+
+
+def test_words_beside_the_case_may_change(folder: Path) -> None:
+    path = folder / "case.toml"
+    path.write_text("# seen by the toolmaker\n" + path.read_text(encoding="utf-8"), encoding="utf-8")
+    assert load_run(folder).formed.energy > 0
 
 
 def test_the_strokes_end_where_the_grid_was(folder: Path) -> None:

@@ -18,10 +18,13 @@ from matplotlib.figure import Figure
 
 from punchform import Drape, Run, drape, form_shell, read_case, run
 from punchform.case import varied
+from punchform.case.reading import case_from_text
 from punchform.errors import InputError
 from punchform.grid import Grid
 from punchform.report import notebook
 from punchform.report.fields import field_of, fields, stage_of
+from punchform.report.quantities import readings
+from punchform.report.viewer import scene_of
 from punchform.shell import Shell
 
 
@@ -30,6 +33,13 @@ def elastic(symmetry: str = "quarter") -> Run:
     """A small dish of elastic wires with a target."""
     case = tiny_dish.case("[load]\npressure = '1 Pa'\n")
     return run(varied(case, {"grid.symmetry": symmetry}))
+
+
+@cache
+def pressed_again() -> Run:
+    """The small dish, let go, trimmed and pressed once more: it lies in the tool."""
+    stages = 'schema = 1\nstages = ["press", "release", { trim = { radius = "65 mm" } }, "press"]'
+    return run(case_from_text(tiny_dish.TEXT.replace("schema = 1", stages)))
 
 
 @cache
@@ -90,7 +100,8 @@ def test_a_run_shows_its_verdict_and_its_figures() -> None:
     assert f"{done.formed.whole.crossings} crossings" in told
     assert "tolerance of 0.500" in told
     yielding = checked(stretched.dish()._repr_html_())
-    assert "largest elongation" in yielding
+    assert "largest elongation of the wire" in yielding
+    assert "largest strain of the wire by its pull" in told
     assert not re.search("[✔✘]", yielding), "nothing is judged without a target"
 
 
@@ -135,9 +146,9 @@ def test_the_fields_are_those_of_the_run() -> None:
     done = elastic()
     whole, accuracy = done.formed.whole, done.accuracy
     assert accuracy is not None
-    assert np.array_equal(field_of(done, "contact", "formed").values, whole.contact)
-    assert field_of(done, "shear", "formed").values.max() == pytest.approx(np.degrees(done.formed.max_shear))
-    assert field_of(done, "strain", "formed").values.max() == pytest.approx(100 * done.formed.max_axial_strain)
+    assert np.array_equal(field_of(done, "contact_force", "formed").values, whole.contact)
+    assert np.abs(field_of(done, "shear", "formed").values).max() == pytest.approx(np.degrees(done.formed.max_shear))
+    assert field_of(done, "axial_strain", "formed").values.max() == pytest.approx(100 * done.formed.max_axial_strain)
     deviation = field_of(done, "deviation", "released").values
     assert (np.isfinite(deviation) == accuracy.mask).all()
     rms = np.sqrt(np.average(deviation[accuracy.mask] ** 2, weights=accuracy.weights[accuracy.mask]))
@@ -147,6 +158,56 @@ def test_the_fields_are_those_of_the_run() -> None:
     assert sunk.max() == pytest.approx(np.linalg.norm(done.released.moved, axis=1).max())
     assert stage_of(done, "press 1") is done.formed
     assert stage_of(done, "loaded") is done.loaded
+
+
+def test_what_a_later_press_has_undone_is_there_by_its_name_alone() -> None:
+    done = pressed_again()
+    assert done.released is not None
+    assert "springback" in checked(elastic()._repr_html_())
+    assert "springback" not in checked(done._repr_html_()), "the dish lies in the tool"
+    told = "no stage 'released'; it has: formed, press 1, release 1, trim 1, press 2"
+    with pytest.raises(ValueError, match=re.escape(told)):
+        done.plot("shape", "released")
+    assert stage_of(done, "release 1") is done.released
+    moved = field_of(done, "moved", "release 1").values
+    assert moved.max() == pytest.approx(np.linalg.norm(done.released.moved, axis=1).max())
+    assert "deviation" not in fields(done, "release 1")
+    assert "deviation" in fields(done, "formed"), "what was judged last is the dish in the tool"
+
+
+def test_the_deviation_is_shown_of_a_release_that_counts_its_moves_from_another_stage() -> None:
+    stages = 'schema = 1\nstages = ["press", { release = { hold = "rim" } }, "release"]'
+    done = run(case_from_text(tiny_dish.TEXT.replace("schema = 1", stages)))
+    assert done.accuracy is not None
+    assert stage_of(done, "released").whole is done.final.whole
+    assert (np.isfinite(field_of(done, "deviation", "released").values) == done.accuracy.mask).all()
+
+
+@pytest.mark.parametrize("which", ["elastic", "yielding"])
+def test_a_quantity_has_one_name_and_unit_wherever_it_is_shown(which: str) -> None:
+    done: Run = CASES[which]()
+    yields = which == "yielding"
+    table = {one.key: one for one in readings(yields=yields)}
+    assert len(table) == len(readings(yields=yields)), "a key for each"
+    known = fields(done, "formed")
+    for key in known.keys() & table.keys():
+        one = table[key]
+        assert (known[key].label, known[key].place, known[key].signed) == (one.legend, one.place, one.signed)
+    seen = {one.key: one for one in scene_of(done).quantities}
+    for key in seen.keys() & table.keys():
+        assert (seen[key].label, seen[key].unit, seen[key].signed) == (
+            table[key].label,
+            table[key].unit,
+            table[key].signed,
+        )
+    assert seen.keys() & table.keys() >= {"shear", "axial_force", "moment", "stress", "contact_force"}
+    assert known["axial_strain"].label == (
+        "elongation of the wire [%]" if yields else "strain of the wire by its pull [%]"
+    )
+    assert ("plastic_strain" in table) is ("plastic_strain" in seen) is ("axial_strain" in seen) is yields
+    if done.accuracy is not None:
+        judged = field_of(done, "deviation", "released").label
+        assert judged == f"{seen['deviation_held'].label} [{seen['deviation_held'].unit}]"
 
 
 def test_a_plan_shows_as_many_colours_as_it_has_values() -> None:
@@ -160,7 +221,7 @@ def test_a_plan_shows_as_many_colours_as_it_has_values() -> None:
     ("field", "stage", "told"),
     [
         ("shears", "formed", "no field 'shears' of the stage 'formed'; there are: shape, height, shear, axial_force"),
-        ("contact", "released", "no field 'contact' of the stage 'released'"),
+        ("contact_force", "released", "no field 'contact_force' of the stage 'released'"),
         ("shape", "cut", "no stage 'cut'; it has: formed, released, loaded, press 1, release 1, load 1"),
     ],
 )

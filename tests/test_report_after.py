@@ -15,17 +15,19 @@ from fake_run import fake_run, let_go
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from punchform.antenna import SPEED_OF_LIGHT, loss
+from punchform.antenna import SPEED_OF_LIGHT, highest_frequency, leak, leaks_above, loss
 from punchform.arrays import Floats
 from punchform.case import ReleaseCase
 from punchform.report.accuracy_words import accuracy_lead, advice, judgement, makeup
 from punchform.report.after import after_sections
 from punchform.report.figures.deviation import draw_lobes, draw_spread, parts_of
 from punchform.report.figures.gallery import gallery
+from punchform.report.gain import gain_matrix
 from punchform.report.page import is_good, spoken, write_report
 from punchform.report.release_words import hold_words, load_words, release_words
 from punchform.report.section import Matrix
 from punchform.report.viewer import Packed
+from punchform.wire.materials import materials
 
 if TYPE_CHECKING:
     from punchform.run import Run
@@ -165,6 +167,43 @@ def test_advice_goes_by_the_error() -> None:
     assert "more ribs" in hints(gone(four, step=10.0, release=FLANGE | {"ribs": [{"radius": 100.0}]}))
 
 
+def carrying(run: Run, most: float, strength: float = math.nan) -> Run:
+    """The run with its stress scaled to a largest of `most` [MPa], and a yield strength."""
+    whole = run.formed.whole
+    stress = whole.stress * most / whole.stress.max()
+    loaded = replace(whole, stress=stress, stress_ratio=stress / strength)
+    return replace(run, formed=replace(run.formed, whole=loaded))
+
+
+def test_a_stress_that_no_wire_bears_asks_first_for_a_wire_that_yields() -> None:
+    strongest = max(one.tensile_strength for one in materials())
+    first, *others = advice(carrying(gone(even), 1.01 * strongest))
+    assert "no wire bears 2\u202f222\u00a0MPa (the strongest in `punchform materials`, patented spring" in first
+    assert 'clamp the rim (`press.rim = "clamp"`)' in first
+    assert "Take a wire" not in hints(carrying(gone(even), 0.99 * strongest))
+    assert tuple(others) == advice(carrying(gone(even), 0.99 * strongest))
+    beyond_yield = advice(carrying(gone(even), 900.0, 300.0))[0]
+    assert "900.0\u00a0MPa are 3.00 times the yield strength" in beyond_yield
+    assert "Take a wire" not in hints(carrying(gone(even), 290.0, 300.0))
+
+
+def test_a_wire_that_yields_is_not_advised_where_it_would_not_help() -> None:
+    other = TARGET | {"profile": DISH | {"focal_length": 220.0}}
+    assert "Take a wire" not in hints(carrying(gone(still, target=other), 5000.0))
+    assert "Take a wire" not in hints(carrying(gone(even, release=None), 5000.0))
+    run = carrying(gone(even), 5000.0)
+    clamped = run.case.model_copy(update={"press": run.case.press.model_copy(update={"rim": "clamp"})})
+    assert "Take a wire" in hints(replace(run, case=clamped))
+    assert "press.rim" not in hints(replace(run, case=clamped))
+
+
+def test_what_answers_most_of_the_error_comes_first() -> None:
+    offset = hints(gone(even))
+    assert offset.index("punchform compensate") < offset.index("Hold it further in")
+    lobed = hints(gone(four, step=10.0))
+    assert lobed.index("Hold it further in") < lobed.index("ribs (")
+
+
 def test_a_best_fit_is_offered_where_it_helps_and_not_when_it_is_judged() -> None:
     assert "judge the best fit" in hints(gone(even))
     assert "judge the best fit" not in hints(gone(four, step=10.0))
@@ -249,10 +288,31 @@ def test_ruze_is_told_of_paraboloids_by_the_half_path_sigma() -> None:
     assert run.accuracy is not None
     table = next(one for one in after_sections(run)[0].matrices if one.caption.startswith("Loss of gain"))
     sigma = run.accuracy.as_held.statistics["half-path"].sigma
-    row = next(row for row in table.rows if row[0].startswith("4 GHz"))
-    assert float(row[1].split()[0]) == pytest.approx(loss(sigma, SPEED_OF_LIGHT / 4.0), rel=1e-2)
+    row = next(row for row in table.rows if row[0].startswith("1.5 GHz"))
+    assert float(row[1].split()[0]) == pytest.approx(loss(sigma, SPEED_OF_LIGHT / 1.5), rel=1e-2)
     assert any("more than 3 dB" in row[1] for row in table.rows)
     assert "as held" in table.note
+
+
+def test_frequencies_at_which_the_mesh_leaks_are_marked() -> None:
+    run = gone(four, step=10.0)
+    assert run.accuracy is not None
+    table = gain_matrix(run.case, run.accuracy)
+    assert "above about 3.0\u00a0GHz" in table.note
+    leaky = [row[0] for row in table.rows if "mesh leaks" in row[0]]
+    assert leaky == [
+        f"{f} GHz ({band}), mesh leaks" for f, band in ((4, "C"), (8, "X"), (12, "Ku"), (20, "K"), (30, "Ka"))
+    ]
+    through = [row[-1] for row in table.rows if "(L)" in row[0] or "(Ka)" in row[0]]
+    assert float(through[0].split()[0]) == pytest.approx(
+        leak(10.0, run.case.wire.diameter, SPEED_OF_LIGHT / 1.5), rel=1e-2
+    )
+    assert through[1] == "–"
+    lost = next(row for row in table.rows if row[0].startswith("0.5 dB"))
+    assert [cell.endswith("(mesh leaks)") for cell in lost[1:-1]] == [
+        highest_frequency(aligned.statistics["half-path"].sigma, 0.5) > leaks_above(10.0)
+        for aligned in (run.accuracy.as_held, run.accuracy.fitted)
+    ]
 
 
 def test_other_targets_have_no_focus_and_no_ruze() -> None:

@@ -26,7 +26,7 @@ ELASTIC_WORDS = (
     "this elastic answer",
     "elastic wires",
     "those of these elastic ones",
-    "strain of a wire by its pull",
+    "strain of the wire by its pull",
     "largest strain by the pull",
 )
 
@@ -45,7 +45,7 @@ def test_no_elastic_sentence_on_the_page(hold: str) -> None:
         assert words not in text
         assert words not in captions
     assert "How the wires yield" in text
-    assert "Largest elongation of a wire" in text
+    assert "Largest elongation of the wire" in text
 
 
 def test_elastic_wires_have_no_section_and_no_figures_of_it() -> None:

@@ -20,10 +20,6 @@ const { outputFiles, metafile } = await build({
   metafile: true,
   write: false,
 });
-// The page names no address: hints in messages of libraries lose theirs.
-const text = outputFiles[0].text.replaceAll(/https?:\/\/(?!www\.w3\.org\/)/g, "");
-writeFileSync(join(out, "viewer.js"), text);
-
 const packages = new Set(
   Object.keys(metafile.inputs).filter((path) => path.startsWith("node_modules/")).map((path) => path.split("/")[1]),
 );
@@ -31,5 +27,12 @@ const licences = [...packages].sort().map((name) => {
   const { version } = JSON.parse(readFileSync(join(here, "node_modules", name, "package.json"), "utf-8"));
   return `${name} ${version}\n\n${readFileSync(join(here, "node_modules", name, "LICENSE"), "utf-8").trim()}\n`;
 });
-writeFileSync(join(out, "LICENSES.txt"), `viewer.js holds parts of these works.\n\n${licences.join("\n")}`);
+const told = `viewer.js holds parts of these works.\n\n${licences.join("\n")}`;
+writeFileSync(join(out, "LICENSES.txt"), told);
+
+// A page goes to people who never see the package, so the licences stand in the program itself. The page names no
+// address: hints in messages of libraries lose theirs.
+const program = outputFiles[0].text.replaceAll(/https?:\/\/(?!www\.w3\.org\/)/g, "");
+const text = `/*!\n${told}*/\n${program}`;
+writeFileSync(join(out, "viewer.js"), text);
 console.log(`viewer.js: ${text.length} bytes; bundled: ${[...packages].join(", ")}`);

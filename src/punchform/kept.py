@@ -7,6 +7,7 @@ the case again, and what wires that yield remember for a further stroke is left 
 
 from __future__ import annotations
 
+import hashlib
 import json
 import zipfile
 import zlib
@@ -21,7 +22,8 @@ from typing import Any, Union, cast, get_args, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from punchform.case import Case
+from punchform.case import Case, write_case
+from punchform.errors import InputError
 from punchform.gridshell import Gridshell
 from punchform.load import Loaded
 from punchform.mechanics.frames import State
@@ -52,7 +54,13 @@ def keep(run: Run | Shell, path: Path) -> None:
     shapes = (run.formed,) if isinstance(run, Shell) else tuple(stage.done for stage in run.stages)
     notes = () if isinstance(run, Shell) else run.notes
     stages = [_taken_apart(shape, str(number), arrays) for number, shape in enumerate(shapes)]
-    tree = {"schema": SCHEMA, "notes": notes, "seconds": run.seconds, "stages": stages}
+    tree = {
+        "schema": SCHEMA,
+        "case": _mark(run.case),
+        "notes": notes,
+        "seconds": run.seconds,
+        "stages": stages,
+    }
     arrays[TREE] = np.frombuffer(json.dumps(tree).encode(), dtype=np.uint8)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=_PACKING) as archive:
         for name, values in arrays.items():
@@ -66,17 +74,28 @@ def keep(run: Run | Shell, path: Path) -> None:
 def kept(case: Case, path: Path) -> Run | Shell:
     """The run of a case, or the gridshell of one without a punch, from the file that `keep` wrote.
 
-    Raises OSError, and ValueError for a damaged file or one of another version of the format; InputError when the case
-    cannot be used.
+    Raises OSError, ValueError for a damaged file or one of another version of the format, and InputError for another
+    case than that of the run.
     """
     try:
         arrays = _arrays(path)
         tree = json.loads(arrays.pop(TREE).tobytes())
         if tree["schema"] != SCHEMA:
             raise ValueError(f"its format is {tree['schema']}, not {SCHEMA}")
+        if tree["case"] != _mark(case):
+            raise InputError.of(
+                "the case was changed after the run, so that its numbers are of another one",
+                where=str(path.with_name("case.toml")),
+                hint="form the changed case into a new folder, or undo the change",
+            )
         return _run(case, tree, arrays) if case.press.ends is None else _shell(case, tree, arrays)
     except (KeyError, TypeError, zipfile.BadZipFile, zlib.error, EOFError) as problem:
         raise ValueError(f"it is not what a run is kept in ({problem})") from problem
+
+
+def _mark(case: Case) -> str:
+    """What tells a case from every other."""
+    return hashlib.sha256(write_case(case).encode()).hexdigest()
 
 
 def _run(case: Case, tree: dict[str, Any], arrays: Arrays) -> Run:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 
 import numpy as np
 
-from punchform.accuracy import Accuracy, measure_case
+from punchform.accuracy import Accuracy, measure_case, wire_surface
 from punchform.case import (
     Case,
     CrossingSpring,
@@ -80,8 +80,9 @@ class Run:
     def plot(self, field: str = "shape", stage: str = "formed") -> Figure:
         """A figure of a stage: its "shape", or in plan "height", "shear", "axial_force", "stress", "deviation", ...
 
-        stage: "formed", "released", "loaded", or the name of one of `stages`. Raises ValueError for a field or a stage
-        that the run has not, with those that it has.
+        stage: "formed", "released", "loaded", or the name of one of `stages`; what a later press has undone is there by
+        its name alone, such as "release 1". Raises ValueError for a field or a stage that the run has not, with those
+        that it has.
         """
         figure: Figure = drawing_room().plot_run(self, field, stage)
         return figure
@@ -136,7 +137,14 @@ def gathered(case: Case, ready: Prepared, stages: tuple[Stage, ...], *, notes: t
         whole = _final(stages).whole
         # The shape is judged at its crossings, wherever else a wire has nodes.
         crossings = np.where(whole.between[:, None] == 0, whole.positions, np.nan)
-        accuracy = measure_case(crossings, whole.cells, case.target, apex_height=ready.punch.height_at_axis)
+        judged = wire_surface(
+            "middle",
+            height=ready.elements[0].height,
+            diameter=case.wire.diameter,
+            convention=formed_with(stages).offset,
+        )
+        apex_height = ready.punch.height_at_axis
+        accuracy = measure_case(crossings, whole.cells, case.target, apex_height=apex_height, surface=judged)
     return Run(case, formed, _last(Released, stages), _last(Loaded, stages), accuracy, notes, seconds, stages)
 
 
@@ -147,8 +155,7 @@ def _done(step: Step, stages: Sequence[Stage], case: Case, ready: Prepared, wire
         if isinstance(step.settings, PressCase):
             grid, start = (ready.grid, None) if before is None else (before.grid, struck(before.state, ready.punch))
             return press(grid, ready.elements, ready.punch, case.framed(step.settings), start=start, **wires)
-        settings = next(stage.settings for stage in reversed(stages) if isinstance(stage.settings, PressCase))
-        pressed = case.framed(settings)
+        pressed = case.framed(formed_with(stages))
         assert before is not None, "the first stage is a press"
         match step.settings:
             case ReleaseCase() as how:
@@ -176,6 +183,11 @@ def _whole_grid(case: Case, how: ReleaseCase, before: Shaped) -> Grid | None:
         return None
     laid = lay(case.grid.model_copy(update={"symmetry": "full"}), rim_radius=case.tool.rim_radius)
     return cut_like(laid, before.whole) if before.grid.trimmed else laid
+
+
+def formed_with(stages: Sequence[Stage]) -> PressCase:
+    """The settings of the last press."""
+    return next(stage.settings for stage in reversed(stages) if isinstance(stage.settings, PressCase))
 
 
 def _final(stages: Sequence[Stage]) -> Formed | Released:

@@ -188,6 +188,14 @@ def cell_shear(positions: Floats, cells: Ints) -> Floats:
     return np.asarray(np.arcsin(np.clip(np.sum(along_x * along_y, axis=1) / lengths, -1.0, 1.0)))
 
 
+def node_shear(nodes: int, cells: Ints, shear: Floats) -> Floats:
+    """Mean of the shear (K,) of the cells (K, 4) around each node, (N,), in its unit; NaN for a node without a cell."""
+    corners = cells.ravel()
+    total = np.bincount(corners, np.repeat(shear, 4), nodes)
+    count = np.bincount(corners, minlength=nodes)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
 def _mirrors(grid: Grid) -> list[tuple[int, int]]:
     return [(sx, sy) for sx in (1, -1) for sy in (1, -1)] if grid.quarter else [(1, 1)]
 

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+import tiny_dish
 from perfect_dishes import FOCAL_LENGTH, RADIUS, disc, dish, net, with_error
 
 from punchform.accuracy import (
@@ -25,6 +26,8 @@ from punchform.accuracy import (
 from punchform.arrays import Floats
 from punchform.case import ConeProfile, ParaboloidProfile, SphereProfile, TargetCase
 from punchform.errors import InputError
+from punchform.prepare import prepare
+from punchform.run import run as form
 
 DISC = disc()
 
@@ -197,6 +200,8 @@ def test_the_verdict_follows_measure_and_alignment() -> None:
     assert held.within is False
     best = measure_case(points, cells, CASE.model_copy(update={"alignment": "best fit"}), apex_height=0.0)
     assert best.judged == best.named("4-parameter").statistics["normal"]
+    assert (held.aligned, best.aligned) == (held.as_held, best.fitted)
+    assert held.aligned_for(best.judge) is held.fitted, "as another run is judged"
     assert best.judged.rms < held.judged.rms
     assert best.within is True
     raised = measure_case(points, cells, CASE, apex_height=0.5)
@@ -259,3 +264,22 @@ def test_the_plain_figures_are_strict_json(profile: ParaboloidProfile | ConeProf
 def test_the_inner_radius_of_a_case_must_be_inside() -> None:
     with pytest.raises(ValueError, match="leaves nothing"):
         TargetCase(profile=CASE.profile, aperture_radius=100.0, tolerance=1.0, inner_radius=100.0)
+
+
+def test_a_run_whose_nodes_lie_on_the_lower_wire_is_judged_by_the_middle_above_them() -> None:
+    lower = tiny_dish.case('[press]\noffset = "lower"\n')
+    centred = form(tiny_dish.case())
+    found = form(lower)
+    assert found.accuracy is not None
+    assert centred.accuracy is not None
+    half = 0.5 * prepare(lower).elements[0].height
+    assert found.accuracy.surface.offset == pytest.approx(half)
+    assert centred.accuracy.surface.offset == 0.0
+    again = measure_case(
+        found.final.whole.positions,
+        found.final.whole.cells,
+        lower.target or CASE,
+        apex_height=prepare(lower).punch.height_at_axis,
+    )
+    shift = found.accuracy.as_held.statistics["normal"].mean - again.as_held.statistics["normal"].mean
+    assert shift == pytest.approx(half, rel=1e-6)

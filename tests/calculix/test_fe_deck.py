@@ -18,7 +18,7 @@ from punchform.case.reading import case_from_text
 from punchform.errors import InputError
 from punchform.export.beam_stress import KRONROD, POINTS, square, stresses
 from punchform.export.beams import Beams, beams
-from punchform.export.fe_deck import FORMED, RELEASED, SPRINGBACK, write_decks
+from punchform.export.fe_deck import FORMED, NODES, RELEASED, SPRINGBACK, write_decks
 from punchform.mechanics.end_loads import end_loads
 from punchform.prepare import prepare
 from punchform.release import Released
@@ -195,8 +195,8 @@ def test_the_same_run_gives_the_same_bytes_and_a_head_that_tells_units(tmp_path:
     for name in ("one", "two"):
         (tmp_path / name).mkdir()
         files = write_decks(shallow(), tmp_path / name)
-        assert [file.name for file in files] == [SPRINGBACK, RELEASED]
-    for file in files:
+        assert [file.name for file in files] == [SPRINGBACK, RELEASED, NODES]
+    for file in files[:2]:
         text = file.read_text()
         assert text == (tmp_path / "one" / file.name).read_text()
         assert "** units: lengths mm" in text
@@ -216,9 +216,28 @@ def test_a_run_read_back_has_the_same_decks(tmp_path: Path) -> None:
 
 def test_a_grid_that_is_not_let_go_is_held_in_its_tool(tmp_path: Path) -> None:
     done = run(tiny_dish.case().model_copy(update={"release": None, "target": None}))
-    (file,) = write_decks(done, tmp_path)
+    file, _ = write_decks(done, tmp_path)
     assert file.name == FORMED
     assert "*CLOAD" not in file.read_text()
+
+
+@pytest.mark.parametrize("grid", ["", "subdivide = 2"])
+def test_the_table_of_nodes_tells_which_crossing_a_node_is_after_a_trim(grid: str, tmp_path: Path) -> None:
+    stages = 'stages = ["press", { trim = { radius = "38 mm" } }, "release"]'
+    text = DISH.replace("schema = 1", f"schema = 1\n{stages}").replace("GRID", grid).replace("LOAD", "")
+    done = run(case_from_text(text.replace("HOLD", '{ from_radius = "30 mm" }')))
+    assert done.released is not None
+    write_decks(done, tmp_path)
+    listed = np.loadtxt(tmp_path / NODES, delimiter=",", skiprows=1)
+    placed = re.search(r"\*NODE[^\n]*\n((?:\d+,[^\n]*\n)+)", (tmp_path / RELEASED).read_text())
+    assert placed is not None
+    deck = np.array([[float(cell) for cell in row.split(",")] for row in placed[1].splitlines()])
+    whole = done.released.whole
+    assert len(listed) == len(whole.index) < done.formed.whole.index.shape[0]
+    at = {tuple(row): place for row, place in zip(whole.flat[:, :2].round(9).tolist(), whole.positions, strict=True)}
+    for (number, _, _, _, x, y), row in zip(listed.tolist(), deck[: len(listed)], strict=True):
+        assert row[0] == number
+        np.testing.assert_allclose(row[1:], at[round(x, 9), round(y, 9)], atol=1e-6)
 
 
 def test_wires_without_a_section_and_springs_are_refused(tmp_path: Path) -> None:

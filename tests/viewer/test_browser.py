@@ -230,10 +230,68 @@ def test_the_legend_tells_name_unit_and_extent(show: Opener) -> None:
     assert high == pytest.approx(np.abs(whole.F[:, 0]).max(), rel=1e-5)
 
 
+def test_every_legend_has_ticks_and_tells_where_its_bar_ends_too_early(show: Opener) -> None:
+    tab = show("stretched")
+    for key in tab.js("viewer.quantities.map(one => one.key)"):
+        tab.js(f"viewer.ask({{ colour: '{key}' }})")
+        assert tab.page.locator(".pf-tick").count() >= 3, key
+        low, high = tab.js("viewer.uniforms.range.value")
+        values = np.array(tab.js("[...viewer.told].filter(value => value > -1e29)"))
+        assert tab.page.locator(".pf-beyond-high").count() == (values.max() > high * (1 + 1e-6)), key
+        assert tab.page.locator(".pf-beyond-low").count() == (values.min() < low * (1 + 1e-6)), key
+        signed = tab.js(f"viewer.quantity('{key}').signed")
+        assert low == (-high if signed and values.min() < -1e-4 * values.max() else 0), key
+
+
+def test_a_mark_that_figures_pass_is_on_the_bar(show: Opener) -> None:
+    tab, done = show("stretched"), stretched.dish()
+    assert done.formed.hardening is not None
+    strength, stress = done.formed.hardening.yield_strength, done.formed.whole.stress
+    assert stress.max() > strength
+    tab.js("viewer.ask({ time: viewer.scene.poses.findIndex(pose => pose.name === 'in the tool'), colour: 'stress' })")
+    assert tab.page.locator(".pf-mark").count() == 1
+    assert tab.js("viewer.uniforms.range.value")[1] > strength
+    assert "line: yield strength" in tab.page.locator(".pf-extent").inner_text()
+
+
+def test_a_mark_near_which_no_figure_comes_does_not_pale_the_picture(show: Opener) -> None:
+    tab = show()
+    tab.js(
+        "(viewer.quantity('deviation_held').marks.forEach(mark => { mark.value *= 100; }), viewer.ranges.clear(), 0)"
+    )
+    tab.js("viewer.ask({ colour: 'deviation_held' })")
+    assert tab.page.locator(".pf-mark").count() == 0
+    assert "tolerance 50 mm is farther off" in tab.page.locator(".pf-extent").inner_text().replace("\u00a0", " ")
+
+
+def test_the_families_of_wires_have_a_key_in_their_colours(show: Opener) -> None:
+    tab = show()
+    tab.js("viewer.ask({ colour: '' })")
+    told = tab.page.locator(".pf-families > span").all_inner_texts()
+    assert [one.strip() for one in told] == ["wires along x", "wires along y"]
+    colour = "getComputedStyle(document.querySelector('.pf-swatch{}')).backgroundColor"
+    for family in (1, 2):
+        shown = re.findall(r"\d+", tab.page.evaluate(colour.format(family)))
+        drawn = tab.js(f"viewer.families[{family - 1}][1].material.uniforms.plain.value.map(part => 255 * part)")
+        assert [int(part) for part in shown] == pytest.approx(drawn, abs=0.6)
+    tab.js("viewer.ask({ colour: 'shear' })")
+    assert not tab.page.locator(".pf-families").is_visible()
+
+
 def test_a_figure_not_told_of_a_shape_takes_one_of_which_it_is(show: Opener) -> None:
     tab = show()
-    tab.page.locator(".pf-head select").select_option("contact_force")
-    assert tab.js("viewer.scene.poses[viewer.state.time].name") == "in the tool"
+    select, caption = tab.page.locator(".pf-head select"), tab.page.locator(".pf-caption")
+    pose = "viewer.scene.poses[viewer.state.time].name"
+    tab.page.get_by_role("button", name="released", exact=True).click()
+    select.select_option("contact_force")
+    assert tab.js(pose) == "in the tool"
+    assert "not told of \u201creleased\u201d" in caption.inner_text()
+    select.select_option("load_moved")
+    assert tab.js(pose) == "loaded"
+    select.select_option("axial_force")
+    assert tab.js(pose) == "released"
+    assert "not told" not in caption.inner_text()
+    select.select_option("contact_force")
     tab.page.get_by_role("button", name="flat", exact=True).click()
     assert "not told of the shape" in tab.page.locator(".pf-extent").inner_text()
 
@@ -258,6 +316,38 @@ def test_moves_are_enlarged_from_their_reference(show: Opener) -> None:
     wanted = done.formed.whole.positions + 20 * done.released.moved
     np.testing.assert_allclose(points, wanted, atol=2e-3)
     assert "drawn 20 times as large" in tab.page.locator(".pf-caption").inner_text()
+
+
+@pytest.mark.parametrize("reference", ["in the tool", "the target"])
+def test_moves_are_enlarged_to_three_tenths_of_the_grid_and_stay_in_the_picture(show: Opener, reference: str) -> None:
+    tab, scene = show(), scene_of(dish())
+    tab.js(f"(viewer.look('side'), viewer.ask({{ reference: '{reference}', times: 1000 }}))")
+    times, factors = tab.js("viewer.state.times"), tab.js("viewer.factors()")
+    moves = [
+        pose.positions - dict(pose.references)[reference] for pose in scene.poses if reference in dict(pose.references)
+    ]
+    largest = max(float(np.nanmax(np.linalg.norm(one, axis=1))) for one in moves)
+    width = float(np.ptp(scene.poses[0].positions[:, :2], axis=0).max())
+    assert times == factors[-1]
+    assert times * largest <= 0.3 * width
+    assert times == 1000 or 2.5 * times * largest > 0.3 * width
+    drawn = "[...viewer.scene.i].map((_, k) => viewer.stage.seen(viewer.points.slice(3 * k, 3 * k + 3)))"
+    seen = tab.js(drawn)
+    spots = np.array([[np.nan if part is None else part for part in spot] for spot in seen])
+    size = tab.js("[viewer.canvas.clientWidth, viewer.canvas.clientHeight]")
+    assert np.nanmin(spots) >= 0
+    assert (np.nanmax(spots, axis=0) <= size).all()
+    scale = tab.js("viewer.stage.scale")
+    tab.js("viewer.ask({ times: 1 })")
+    assert tab.js("viewer.stage.scale") >= scale
+
+
+def test_moves_enlarged_in_a_near_view_leave_it_where_it_is(show: Opener) -> None:
+    tab = show()
+    tab.js("viewer.stage.zoom(4)")
+    before = tab.js("viewer.stage.pose")
+    tab.js("viewer.ask({ times: 50 })")
+    assert tab.js("viewer.stage.pose") == before
 
 
 def test_the_keyboard_walks_from_node_to_node(show: Opener) -> None:

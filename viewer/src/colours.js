@@ -11,11 +11,19 @@ const PARTED = {
 };
 const SHADES = 256;
 
-/** The colours (256 x 4 bytes) of a map on a ground, "light" or "dark". */
-export function colourMap(signed, ground) {
-  const stops = (signed ? PARTED : RISING)[ground].map((stop) => toLab(rgb(stop).map(toLinear)));
+/** The map for a range: parted for a signed quantity on both sides of zero, else away from zero to the side it lies on. */
+export function mapFor(signed, { low, high }) {
+  if (signed && low < 0 && high > 0) return "parted";
+  return high > 0 ? "rising" : "falling";
+}
+
+/** The colours (256 x 4 bytes) of a map, "parted", "rising" or "falling", on a ground, "light" or "dark". */
+export function colourMap(kind, ground) {
+  const parted = kind === "parted";
+  const stops = (parted ? PARTED : RISING)[ground].map((stop) => toLab(rgb(stop).map(toLinear)));
+  if (kind === "falling") stops.reverse();
   const middle = (stops.length - 1) / 2;
-  const halves = signed ? [stops.slice(0, middle + 1), stops.slice(middle)] : [stops];
+  const halves = parted ? [stops.slice(0, middle + 1), stops.slice(middle)] : [stops];
   const bytes = new Uint8Array(4 * SHADES);
   for (let k = 0; k < SHADES; k += 1) {
     const share = (halves.length * k) / (SHADES - 1);

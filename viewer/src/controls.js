@@ -4,8 +4,6 @@ import { element } from "./element.js";
 import { quantitiesOf } from "./shapes.js";
 import { caption, fromWhat } from "./wording.js";
 
-/** By how much moves can be enlarged. */
-export const TIMES = [1, 2, 5, 10, 20, 50, 100, 200];
 /** Nearer than this to a computed shape the slider takes that. */
 const CATCH = 0.06;
 
@@ -35,9 +33,10 @@ export function controls(scene, ask, act) {
   const reference = element("select", { "aria-label": "Moves from", onchange: () => ask({ reference: reference.value }) },
     ...names.map((name) => element("option", { value: name }, fromWhat(name))));
   const times = element("input", {
-    type: "range", min: 0, max: TIMES.length - 1, step: 1, "aria-label": "How many times moves are enlarged",
-    oninput: () => ask({ times: TIMES[Number(times.value)] }),
+    type: "range", min: 0, step: 1, "aria-label": "How many times moves are enlarged",
+    oninput: () => ask({ times: offered[Number(times.value)] }),
   });
+  let offered = [1];
   const enlarged = element("output", {}, "\u00d71");
   const enlarging = element("div", { class: "pf-enlarge" }, element("span", {}, "Enlarge moves from"), reference, times, enlarged);
   return {
@@ -50,21 +49,24 @@ export function controls(scene, ask, act) {
       said,
       element("div", { class: "pf-checks" }, ...shown.map(([, made]) => made.root), quarter.root),
       ...(names.length ? [enlarging] : [])),
-    show(state) {
+    show(state, factors) {
+      offered = factors;
       colour.value = state.colour;
       robust.box.checked = state.robust;
       steady.box.checked = state.steady;
       slider.value = state.time;
-      slider.setAttribute("aria-valuetext", caption(scene, state.time, state.reference, state.times));
+      slider.setAttribute("aria-valuetext", caption(scene, state));
       chips.forEach((chip, number) => chip?.setAttribute("aria-pressed", String(state.time === number)));
       for (const [key, made] of shown) made.box.checked = state.show[key];
       quarter.box.checked = state.quarter;
       reference.value = state.reference;
-      times.value = TIMES.indexOf(state.times);
+      times.max = offered.length - 1;
+      times.disabled = offered.length < 2;
+      times.value = offered.indexOf(state.times);
       enlarged.textContent = `\u00d7${state.times}`;
       const can = scene.poses[Math.round(state.time)].references.has(state.reference);
       enlarging.classList.toggle("pf-off", !can);
-      said.textContent = caption(scene, state.time, state.reference, state.times);
+      said.textContent = caption(scene, state);
       play.textContent = state.playing ? "Stop" : "Play";
     },
   };

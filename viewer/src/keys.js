@@ -1,6 +1,6 @@
 // The keyboard on the picture.
 
-import { TIMES, stepped } from "./controls.js";
+import { stepped } from "./controls.js";
 import { quantitiesOf } from "./shapes.js";
 
 /** The keys in words, for the help below the picture. */
@@ -11,7 +11,7 @@ export const KEYS = [
   ["[ and ]", "the shape before and after"],
   ["Space", "play and stop"],
   ["C", "the next colouring"],
-  ["M", "enlarge moves more, after \u00d7200 not at all"],
+  ["M", "enlarge moves more, after the most not at all"],
   ["P, T, X, Y", "punch, target, wires along x, wires along y"],
   ["Q", "quarter or whole"],
   ["1, 2, 3", "oblique, top, side"],
@@ -37,7 +37,7 @@ export function pressed(event, scene, state, ask, act) {
   else if (key === "[" || key === "]") ask({ time: stepped(state.time, key === "]" ? 1 : -1, last) });
   else if (key === " ") act.play();
   else if (key === "c") ask({ colour: nextOf([...quantitiesOf(scene).map((one) => one.key), ""], state.colour) });
-  else if (key === "m") ask({ times: nextOf(TIMES, state.times) });
+  else if (key === "m") act.enlarge();
   else if (key === "q") ask({ quarter: !state.quarter });
   else if (key === "0") act.reset();
   else if (key === "Escape") ask({ picked: null });
@@ -47,4 +47,5 @@ export function pressed(event, scene, state, ask, act) {
   return true;
 }
 
-const nextOf = (all, one) => all[(all.indexOf(one) + 1) % all.length];
+/** The next of all, after the last the first. */
+export const nextOf = (all, one) => all[(all.indexOf(one) + 1) % all.length];

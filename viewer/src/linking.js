@@ -26,9 +26,16 @@ export function linking() {
     range(self, own, key, robust, steady, poseName) {
       if (!own || !linked || members.length < 2) return own;
       const all = members.map((member) => member === self ? own : member.ownRange(key, robust, steady, poseName)).filter(Boolean);
-      const least = (name) => Math.min(...all.map((one) => one[name]));
-      const largest = (name) => Math.max(...all.map((one) => one[name]));
-      return { ...own, low: least("low"), high: largest("high") };
+      const low = Math.min(...all.map((one) => one.low));
+      const high = Math.max(...all.map((one) => one.high));
+      if (!self.quantity(key).signed || low === 0 || high === 0) return { ...own, low, high };
+      const reach = Math.max(-low, high);
+      return { ...own, low: -reach, high: reach };
+    },
+    /** The factors by which moves can be enlarged in all members alike. */
+    factors(self, reference) {
+      const all = linked && members.length > 1 ? members : [self];
+      return all.map((member) => member.ownFactors(reference)).reduce((a, b) => (b.length < a.length ? b : a));
     },
     refresh(self) { others(self, (member) => member.refresh()); },
   };

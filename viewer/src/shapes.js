@@ -2,6 +2,11 @@
 
 /** A value that stands for nothing, far below every figure. */
 export const NOTHING = -1e30;
+/** From this share of a mark on, figures come near it and the colours go beyond it by some room. */
+const NEAR = 0.5;
+const ROOM = 1.05;
+/** A share of the largest figure that is no sign of its own but rounding. */
+const SLIGHT = 1e-4;
 
 /** Coordinate or figure k of told numbers, NaN where nothing is known. */
 export function at(told, k) {
@@ -97,8 +102,9 @@ function fill(into, axis, pose, reference, times, weight, more) {
   }
 }
 
-/** Least and largest figure of a quantity in some poses, and the range for the colours: about zero for signed ones, from
- * zero for others; without the outermost fiftieth on each side when `robust`. Null when nothing is known. */
+/** Least and largest figure of a quantity in some poses, and the range for the colours: from zero, and as far on both
+ * sides for signed ones that lie on both; without the outermost fiftieth on each side when `robust`, but not without
+ * a mark that figures come near. Null when nothing is known. */
 export function rangeOf(poses, quantity, robust) {
   const known = [];
   for (const pose of poses) {
@@ -110,6 +116,12 @@ export function rangeOf(poses, quantity, robust) {
   const [least, largest] = [sorted[0], sorted[sorted.length - 1]];
   const rank = (share) => sorted[Math.round(share * (sorted.length - 1))];
   const [low, high] = robust ? [rank(0.02), rank(0.98)] : [least, largest];
-  const reach = Math.max(Math.abs(low), Math.abs(high)) || Math.max(Math.abs(least), Math.abs(largest)) || 1;
-  return { least, largest, low: quantity.signed ? -reach : Math.min(0, low), high: quantity.signed ? reach : Math.max(0, high) || reach };
+  const marks = quantity.marks.map((one) => one.value);
+  const up = Math.max(high, ...marks.filter((mark) => mark > 0 && largest >= NEAR * mark).map((mark) => ROOM * mark));
+  const down = Math.min(low, ...marks.filter((mark) => mark < 0 && least <= NEAR * mark).map((mark) => ROOM * mark));
+  const most = Math.max(Math.abs(least), Math.abs(largest));
+  const reach = Math.max(-down, up) || most || 1;
+  if (!quantity.signed) return { least, largest, low: Math.min(0, down), high: Math.max(0, up) || reach };
+  const [below, above] = [least < -SLIGHT * most, largest > SLIGHT * most];
+  return { least, largest, low: below ? -reach : 0, high: above || !below ? reach : 0 };
 }

@@ -46,13 +46,30 @@ export function stageOn(canvas, { smooth, drawnOnce, turned }) {
     requestAnimationFrame(() => { if (waiting) draw(); });
   }
 
+  const aspect = () => canvas.clientWidth / Math.max(canvas.clientHeight, 1);
+
   function shape() {
-    const wide = canvas.clientWidth / Math.max(canvas.clientHeight, 1);
     camera.top = height;
     camera.bottom = -height;
-    camera.right = height * wide;
+    camera.right = height * aspect();
     camera.left = -camera.right;
     camera.updateProjectionMatrix();
+  }
+
+  function aim(way, points) {
+    const { middle, size } = boundsOf(points);
+    radius = size;
+    controls.target.set(...middle);
+    camera.position.set(...middle).addScaledVector(way, 4 * radius);
+    camera.near = 0.5 * radius;
+    camera.far = 7.5 * radius;
+    camera.zoom = 1;
+    camera.lookAt(controls.target);
+    camera.updateMatrixWorld();
+    height = MARGIN * heightFor(points, camera, aspect());
+    shape();
+    controls.update();
+    again();
   }
 
   function resize() {
@@ -81,22 +98,11 @@ export function stageOn(canvas, { smooth, drawnOnce, turned }) {
     get scale() { return (camera.zoom * canvas.clientHeight) / (2 * height); },
     ground(colour) { scene.background = new Color().setRGB(...colour, renderer.outputColorSpace); },
     /** Look at points (3 n, NaN left out) from a direction so that all are seen. */
-    look(name, points) {
-      const way = new Vector3(...DIRECTIONS[name]).normalize();
-      const { middle, size } = boundsOf(points);
-      radius = size;
-      controls.target.set(...middle);
-      camera.position.set(...middle).addScaledVector(way, 4 * radius);
-      camera.near = 0.5 * radius;
-      camera.far = 7.5 * radius;
-      camera.zoom = 1;
-      camera.lookAt(controls.target);
-      camera.updateMatrixWorld();
-      height = heightFor(points, camera, canvas.clientWidth / Math.max(canvas.clientHeight, 1));
-      shape();
-      controls.update();
-      again();
-    },
+    look(name, points) { aim(new Vector3(...DIRECTIONS[name]).normalize(), points); },
+    /** Look at points from where one looks, so that all are seen. */
+    fit(points) { aim(camera.position.clone().sub(controls.target).normalize(), points); },
+    /** Whether all points are seen. */
+    holds(points) { return heightFor(points, camera, aspect()) * camera.zoom <= height; },
     /** Turn about the upright axis and up or down, in steps. */
     turn(across, up) {
       const from = camera.position.clone().sub(controls.target);
@@ -150,6 +156,7 @@ function boundsOf(points) {
   return { middle, size: 0.5 * Math.hypot(...high.map((value, axis) => value - low[axis])) || 1 };
 }
 
+/** Half the height of a picture with points (3 n) in it about the middle that the camera looks at. */
 function heightFor(points, camera, wide) {
   const right = new Vector3().setFromMatrixColumn(camera.matrixWorld, 0);
   const up = new Vector3().setFromMatrixColumn(camera.matrixWorld, 1);
@@ -162,5 +169,5 @@ function heightFor(points, camera, wide) {
     if (across > most) most = across;
     if (upwards > most) most = upwards;
   }
-  return MARGIN * most;
+  return most;
 }

@@ -1,10 +1,11 @@
 // One viewer: its state, and what follows from a change of it.
 
 import { ClampToEdgeWrapping, DataTexture, LinearFilter, RGBAFormat } from "three";
-import { colourMap, rgb } from "./colours.js";
+import { colourMap, mapFor, rgb } from "./colours.js";
 import { controls } from "./controls.js";
 import { element } from "./element.js";
-import { KEYS, pressed } from "./keys.js";
+import { factors } from "./enlarging.js";
+import { KEYS, nextOf, pressed } from "./keys.js";
 import { legend } from "./legend.js";
 import { overlay } from "./overlay.js";
 import { panel } from "./panel.js";
@@ -46,7 +47,9 @@ class Viewer {
     this.table = crossings(scene);
     this.points = new Float32Array(3 * scene.nodes);
     this.ranges = new Map();
+    this.enlargings = new Map();
     this.state = this.first();
+    this.farther = false;
     this.build();
     // The layout of a viewer that is there, so that the picture knows its size.
     root.dataset.ready = "true";
@@ -68,7 +71,7 @@ class Viewer {
     for (const family of [1, 2]) if (scene.family.includes(family)) show[`family${family}`] = true;
     return {
       time: scene.begin, colour: scene.colour ?? "", robust: true, steady: false, times: 1, quarter: false,
-      reference: [...begun.references.keys()].pop() ?? "", show, picked: null, playing: null,
+      reference: [...begun.references.keys()].pop() ?? "", show, picked: null, playing: null, instead: null,
     };
   }
 
@@ -80,13 +83,14 @@ class Viewer {
       look: (name) => this.look(name),
       turn: (across, up) => { this.stage.turn(across, up); },
       zoom: (factor) => this.stage.zoom(factor),
+      enlarge: () => this.ask({ times: nextOf(this.factors(), this.state.times) }),
       walk: (axis, step) => this.walk(axis, step),
     };
     this.canvas = element("canvas", {
       class: "pf-canvas", tabindex: "0", role: "application", "aria-label": `3D view of ${scene.title}: the wires of the grid. Arrow keys walk from node to node; the keys are listed below.`,
     });
     this.overlay = overlay();
-    this.legend = legend();
+    this.legend = legend(scene);
     this.panel = panel(scene);
     this.controls = controls(scene, (asked) => this.ask(asked), act);
     const views = [["oblique", "Oblique"], ["top", "Top"], ["side", "Side"]].map(([name, label]) =>
@@ -133,7 +137,7 @@ class Viewer {
       drawnOnce: () => this.over(),
       turned: () => this.group.turned(this, this.stage.pose),
     });
-    this.map = new DataTexture(colourMap(false, "light"), 256, 1, RGBAFormat);
+    this.map = new DataTexture(colourMap("rising", "light"), 256, 1, RGBAFormat);
     Object.assign(this.map, { minFilter: LinearFilter, magFilter: LinearFilter, wrapS: ClampToEdgeWrapping });
     const uniforms = {
       map: { value: this.map }, range: { value: [0, 1] }, coloured: { value: false }, missing: { value: [0.5, 0.5, 0.5] },
@@ -145,13 +149,13 @@ class Viewer {
     for (const [, part] of [...this.families, ...this.skins]) this.stage.scene.add(part.object);
   }
 
-  /** Change the state as asked and show it. A colouring that is not told of this shape takes one of which it is. */
+  /** Change the state as asked and show it. A colouring that is not told of this shape takes one of which it is, until
+   * another is told of this shape again. */
   ask(asked) {
     const before = this.state;
-    this.state = { ...before, ...asked, show: { ...before.show, ...asked.show } };
-    if (asked.colour) this.goWhereTold(asked.colour);
+    this.change(asked);
     if ("time" in asked && !asked.byPlay && before.playing) before.playing.stop();
-    this.refresh();
+    this.showAsked(asked);
     this.group.changed(this, this.named(asked));
   }
 
@@ -175,18 +179,25 @@ class Viewer {
     }
     if (told.colour && !this.quantities.some((one) => one.key === told.colour)) delete told.colour;
     if (told.reference && !this.scene.poses.some((pose) => pose.references.has(told.reference))) delete told.reference;
-    this.state = { ...this.state, ...told, show: { ...this.state.show, ...told.show } };
-    if (told.colour) this.goWhereTold(told.colour);
-    this.refresh();
+    this.change(told);
+    this.showAsked(told);
+  }
+
+  change(asked) {
+    const instead = "time" in asked ? null : this.state.instead;
+    this.state = { ...this.state, ...asked, instead, show: { ...this.state.show, ...asked.show } };
+    if ("colour" in asked) this.goWhereTold(asked.colour);
   }
 
   goWhereTold(key) {
+    const { state, scene: { poses } } = this;
     const quantity = this.quantity(key);
-    const { poses } = this.scene;
-    const can = (pose) => pose.figures.has(quantity.of);
-    if (!quantity || can(poses[Math.round(this.state.time)])) return;
-    const first = poses.findLastIndex(can);
-    if (first >= 0) this.state.time = first;
+    const wanted = state.instead?.time ?? state.time;
+    const can = (time) => !quantity || poses[Math.round(time)].figures.has(quantity.of);
+    const found = [wanted, state.time].find(can) ?? poses.findLastIndex((_, number) => can(number));
+    if (found < 0) return;
+    state.instead = found === wanted ? null : { time: wanted, name: poses[Math.round(wanted)].name };
+    state.time = found;
   }
 
   quantity(key) {
@@ -195,6 +206,8 @@ class Viewer {
 
   refresh() {
     const { state, scene, uniforms } = this;
+    const offered = this.factors();
+    state.times = offered.findLast((factor) => factor <= state.times);
     const quantity = this.quantity(state.colour);
     const shape = Math.round(state.time);
     const pose = scene.poses[shape];
@@ -215,11 +228,11 @@ class Viewer {
     const range = quantity && told && this.group.range(this, own, state.colour, state.robust, state.steady, pose.name);
     if (range) uniforms.range.value = [range.low, range.high];
     uniforms.coloured.value = Boolean(quantity);
-    const bytes = colourMap(Boolean(quantity?.signed), this.ground ?? "light");
+    const bytes = colourMap(range ? mapFor(quantity.signed, range) : "rising", this.ground ?? "light");
     this.map.image.data.set(bytes);
     this.map.needsUpdate = true;
     this.legend.show(quantity, range, bytes, pose.name);
-    this.controls.show(state);
+    this.controls.show(state, offered);
     this.panel.show(state.picked, pose);
     this.stage.again();
   }
@@ -248,6 +261,13 @@ class Viewer {
     return this.ranges.get(name);
   }
 
+  factors() { return this.group.factors(this, this.state.reference); }
+
+  ownFactors(reference) {
+    if (!this.enlargings.has(reference)) this.enlargings.set(reference, factors(this.scene, reference));
+    return this.enlargings.get(reference);
+  }
+
   coloursOfTheGround() {
     const { colours, ground } = this.theme;
     this.ground = ground;
@@ -260,18 +280,31 @@ class Viewer {
     this.refresh();
   }
 
-  /** The points that the picture has to hold: the flat grid and the shape at the end. */
+  /** The points that the picture has to hold: the shape at the end, and the one that is shown as it is drawn. */
   reach() {
-    const flat = drawn(this.scene, 0, "", 1, new Float32Array(3 * this.scene.nodes));
-    const end = drawn(this.scene, this.scene.begin, "", 1, new Float32Array(3 * this.scene.nodes));
-    const both = new Float32Array(6 * this.scene.nodes);
-    both.set(end);
-    both.set(this.state.time < 1 ? flat : end, 3 * this.scene.nodes);
+    const { scene, state } = this;
+    const size = 3 * scene.nodes;
+    const both = new Float32Array(2 * size);
+    drawn(scene, scene.begin, "", 1, both.subarray(0, size));
+    drawn(scene, state.time < 1 ? 0 : state.time, state.reference, state.times, both.subarray(size));
     return both;
+  }
+
+  /** Show what was asked: where enlarged moves drive the shape out of the picture, from farther off, and nearer again
+   * when they are enlarged less. */
+  showAsked(asked) {
+    const { stage } = this;
+    const enlarging = "times" in asked || "reference" in asked;
+    const held = (enlarging || this.state.times > 1) && stage.holds(this.points);
+    this.refresh();
+    if (!held || (stage.holds(this.points) && !(enlarging && this.farther))) return;
+    stage.fit(this.reach());
+    this.farther = this.state.times > 1;
   }
 
   look(name) {
     this.stage.look(name, this.reach());
+    this.farther = this.state.times > 1;
     this.group.turned(this, this.stage.pose);
   }
 

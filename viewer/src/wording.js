@@ -34,13 +34,14 @@ export function whole(value) {
   return String(value).replace("-", MINUS);
 }
 
-/** What the picture shows at a place of the slider. */
-export function caption(scene, time, reference, times) {
+/** What the picture of a state shows, and in place of which shape where the colouring chose it. */
+export function caption(scene, { time, reference, times, instead }) {
   const before = Math.floor(time);
   const here = scene.poses[before];
   if (time !== before) return `Between \u201c${here.name}\u201d and \u201c${scene.poses[before + 1].name}\u201d: drawn only, not computed.`;
   const enlarged = times > 1 && here.references.has(reference) ? ` Moves from ${fromWhat(reference)} are drawn ${times} times as large.` : "";
-  return `${here.name[0].toUpperCase()}${here.name.slice(1)}: ${here.told}.${enlarged}`;
+  const chosen = instead ? ` Shown because the colouring is not told of \u201c${instead.name}\u201d.` : "";
+  return `${here.name[0].toUpperCase()}${here.name.slice(1)}: ${here.told}.${chosen}${enlarged}`;
 }
 
 /** A reference in a sentence. */
@@ -48,11 +49,16 @@ export function fromWhat(name) {
   return name.startsWith("the ") ? name : `the shape \u201c${name}\u201d`;
 }
 
-/** Ticks of 1, 2 or 5 times a power of ten between two values, about so many. */
+/** Ticks of 1, 2 or 5 times a power of ten between two values, about so many and at least three. */
 export function ticks(low, high, count = 4) {
   const rough = (high - low) / count;
   const power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map((part) => part * power).find((one) => one >= rough * 0.999);
+  const steps = [10, 5, 2, 1, 0.5].map((part) => part * power);
+  const widest = steps.findLastIndex((one) => one >= rough * 0.999);
+  return steps.slice(widest).map((step) => multiples(step, low, high)).find((found) => found.length >= 3) ?? [];
+}
+
+function multiples(step, low, high) {
   const found = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1) found.push(k * step);
   return found.map((value) => Number(value.toPrecision(6)));

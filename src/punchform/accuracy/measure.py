@@ -92,15 +92,23 @@ class Accuracy:
         return self.named(self.best_fit)
 
     @property
+    def aligned(self) -> Aligned:
+        """The deviations in the alignment that is judged."""
+        return self.aligned_for(self.judge)
+
+    @property
     def judged(self) -> Statistics:
         """The statistics that decide."""
-        aligned = self.as_held if self.judge.alignment == "as held" else self.fitted
-        return aligned.statistics[self.judge.measure]
+        return self.aligned.statistics[self.judge.measure]
 
     @property
     def within(self) -> bool | None:
         """Whether the judged rms keeps the tolerance."""
         return None if self.judge.tolerance is None else self.judged.rms <= self.judge.tolerance
+
+    def aligned_for(self, judge: Judge) -> Aligned:
+        """The deviations in the alignment that a judge asks for, be it that of another run."""
+        return self.as_held if judge.alignment == "as held" else self.fitted
 
     def named(self, name: str) -> Aligned:
         """One alignment by its name. Raises KeyError for one that was not made."""

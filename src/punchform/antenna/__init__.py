@@ -1,5 +1,6 @@
-"""The antenna room: what a deviation costs in gain."""
+"""The antenna room: what a deviation and the openings of the mesh cost in gain."""
 
+from punchform.antenna.mesh import leak, leaks_above
 from punchform.antenna.ruze import (
     SPEED_OF_LIGHT,
     error_for_loss,
@@ -14,6 +15,8 @@ __all__ = [
     "error_for_loss",
     "gain_with_scatter",
     "highest_frequency",
+    "leak",
+    "leaks_above",
     "loss",
     "wavelength_for_loss",
 ]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
+import traceback
 from collections.abc import Sequence
 from errno import ENOSPC
 from importlib import import_module
@@ -44,6 +45,7 @@ COMMANDS = {
     "completion": "completion:completion",
 }
 """The module and function of every command; a module is imported when its command is given."""
+REPORT_IT = "please report it with the case file and the command; --verbose shows where it happened"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -89,11 +91,14 @@ def _guarded(chosen: dict[str, Any], stop: Stop) -> Exit:
         full = "\n  hint: free some space, or name another place" if error.errno == ENOSPC else ""
         say(f"error: {place}{error.strerror or error}{full}")
         return Exit.UNUSABLE_INPUT
-    except Exception:
+    except Exception as fault:
         # An interrupt inside a library may come out as something else.
-        if not stop.asked:
-            raise
-        return _ended_by(KeyboardInterrupt(), left)
+        if stop.asked:
+            return _ended_by(KeyboardInterrupt(), left)
+        if chosen.get("verbose"):
+            traceback.print_exception(fault)
+        say(f"error: a fault of punchform itself: {type(fault).__name__}: {fault}\n  hint: {REPORT_IT}")
+        return Exit.FAULT
 
 
 def _ended_by(ending: KeyboardInterrupt, left: Left) -> Exit:

@@ -12,6 +12,7 @@ class Exit(IntEnum):
     OUT_OF_TOLERANCE = 1
     UNUSABLE_INPUT = 2
     NO_EQUILIBRIUM = 3
+    FAULT = 70
     INTERRUPTED = 130
     TERMINATED = 143
 
@@ -26,6 +27,7 @@ _SENTENCES = {
     Exit.OUT_OF_TOLERANCE: "done, but the shape is out of tolerance",
     Exit.UNUSABLE_INPUT: "the input cannot be used",
     Exit.NO_EQUILIBRIUM: "no equilibrium was found",
+    Exit.FAULT: "a fault of the program itself; please report it",
     Exit.INTERRUPTED: "interrupted with Ctrl-C",
     Exit.TERMINATED: "terminated by the system (SIGTERM)",
 }

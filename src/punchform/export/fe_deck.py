@@ -20,6 +20,7 @@ from punchform.export.beam_stress import square, stresses
 from punchform.export.beams import beams
 from punchform.export.calculix import Step, Support, deck
 from punchform.export.heading import heading
+from punchform.export.tables import rows_csv
 from punchform.mechanics.bars import Bars
 from punchform.mechanics.end_loads import end_loads
 from punchform.prepare import prepare
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from punchform.run import Run
 
 FORMED, SPRINGBACK, RELEASED = "formed.inp", "springback.inp", "released.inp"
+NODES, NODE_COLUMNS = "deck_nodes.csv", ("node", "i", "j", "between", "x0", "y0")
 BEAMS = 2
 """Beams of three nodes for a wire between two crossings: two half waves of a crimp; its pieces have one each."""
 LETTING_GO = (0.5, 1e-5, 0.5)
@@ -49,7 +51,8 @@ class _Wires:
 
 
 def write_decks(run: Run, folder: Path) -> tuple[Path, ...]:
-    """Write springback.inp and released.inp of the last release of a run, or formed.inp of one that ends in its tool.
+    """Write springback.inp and released.inp of the last release of a run, or formed.inp of one that ends in its tool,
+    and deck_nodes.csv, which tells which crossing each node is.
 
     springback.inp starts where the stage before the release left the grid, pushed by the forces of the tool, and lets
     them go; released.inp starts in the released shape and puts the loads on. Raises InputError for wires that are only
@@ -71,9 +74,16 @@ def write_decks(run: Run, folder: Path) -> tuple[Path, ...]:
         BEAMS if subdivide == 1 else 1,
     )
     texts = {FORMED: _formed(run, wires)} if last is None else _released(run, last, wires)
+    texts[NODES] = nodes_table((run.final if last is None else run.stages[last].done).whole)
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8", newline="\n")
     return tuple(folder / name for name in texts)
+
+
+def nodes_table(whole: Whole) -> str:
+    """The text of the table that tells which crossing (i, j) a node of the decks is, and its place in the flat [mm]."""
+    numbers = np.arange(1, len(whole.index) + 1)
+    return rows_csv(NODE_COLUMNS, np.column_stack((numbers, whole.index, whole.between)), whole.flat[:, :2])
 
 
 def _last_release(run: Run) -> int | None:
@@ -110,11 +120,11 @@ def _released(run: Run, last: int, wires: _Wires) -> dict[str, str]:
 
 
 def _formed(run: Run, wires: _Wires) -> str:
-    """The deck of a grid that is never let go: every node stays where it is; reactions are the forces of the tool."""
+    """The deck of a grid that is never let go: every node stays where it is."""
     whole = run.final.whole
     still = np.zeros_like(whole.positions)
     support = Support(np.zeros(len(still), dtype=bool), np.ones_like(still, dtype=bool))
-    steps = (Step("step 1: the reactions are the forces of the tool", still, still),)
+    steps = (Step("step 1: nothing moves; the wires carry what they carry in the tool", still, still),)
     return _text(run, "the grid in its tool", whole, _loads(run.final, wires), wires, support, steps)
 
 
@@ -126,21 +136,24 @@ def _text(
     model = beams(whole, wires.elements, wires.bars, count=wires.count, welded=wires.welded, clamped=support.clamped)
     same = square(section)
     sets = {"CROSSINGS": np.flatnonzero(whole.between == 0), "RIM": _wire_ends(whole)}
-    lines = (*heading(run, f"FE deck, {what}").lines, *_told(run, section.diameter))
+    lines = (*heading(run, f"FE deck, {what}").lines, *_told(run, section.diameter, chord=wires.bars.chord))
     stress = stresses(model, whole, loads, same.side)
     return deck(lines, model, same, stress, support=support, sets=sets, steps=steps)
 
 
-def _told(run: Run, diameter: float) -> Iterator[str]:
+def _told(run: Run, diameter: float, *, chord: bool) -> Iterator[str]:
     """What to know of a deck."""
     wire = run.case.wire
-    yield "written for CalculiX (ccx); node n is row n of nodes.csv, in the middle of its crossing; more nodes follow"
+    yield f"written for CalculiX (ccx); {NODES} tells which crossing node n is; more nodes follow"
     yield "wires: beams along their bent centrelines; as a brick a square section resists pull, bending and twist"
     yield f"  as the round wire of {diameter:g} mm does with E = {wire.youngs_modulus:g} MPa and nu = {wire.poisson:g}"
     yield "crossings: stiff arms along the normal (ARMS); *EQUATION ties centres and tips, wires turn about it"
     yield "*INITIAL CONDITIONS: the forces and moments in the wires; without them the grid is another, free of stress"
     if wire.yields:
         yield "the wires have flowed: they are elastic about this state, crimped as when new, and do not yield further"
+    if not chord:
+        yield "the run read its wires from their ends O: where they bend much from crossing to crossing its springback is"
+        yield '  another than that of these beams, which agree with press.frame = "chord"'
     yield "sets: GRID, CROSSINGS, RIM (wire ends), HELD (nodes); WIRES_X, WIRES_Y, ARMS (elements)"
     yield "Abaqus: see docs/exports.md; elements are B32, the section CIRC, and initial stresses are written otherwise"
 

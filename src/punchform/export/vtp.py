@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from punchform.accuracy import MEASURES, Accuracy, Aligned
+from punchform.accuracy import MEASURES, Accuracy
 from punchform.arrays import Floats, Ints
 from punchform.export.heading import heading
 from punchform.export.told import released_on, spread
 from punchform.export.vtk_xml import Array, section, vtk_file
-from punchform.whole import places_in
+from punchform.whole import node_shear, places_in
 
 if TYPE_CHECKING:
     from punchform.run import Run
@@ -83,21 +83,8 @@ def write_vtp(
 
 def deviation_data(accuracy: Accuracy) -> dict[str, Floats]:
     """The deviations (N,) [mm] in the alignment that is judged, by the names that they have in files."""
-    found = judging(accuracy).deviations
+    found = accuracy.aligned.deviations
     return {f"deviation_{measure.replace('-', '_')}": found.of(measure) for measure in MEASURES}
-
-
-def judging(accuracy: Accuracy) -> Aligned:
-    """The alignment in which the shape is judged."""
-    return accuracy.as_held if accuracy.judge.alignment == "as held" else accuracy.fitted
-
-
-def node_shear(nodes: int, cells: Ints, cell_shear: Floats) -> Floats:
-    """Mean shear (N,) [rad] of the cells (K, 4) around each node; NaN for a node without a cell."""
-    corners = cells.ravel()
-    total = np.bincount(corners, np.repeat(cell_shear, 4), nodes)
-    count = np.bincount(corners, minlength=nodes)
-    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
 def poly_lines(

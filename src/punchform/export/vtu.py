@@ -13,9 +13,10 @@ from punchform.arrays import Floats
 from punchform.export.heading import heading
 from punchform.export.shapes import shapes
 from punchform.export.vtk_xml import Array, section, vtk_file
-from punchform.export.vtp import deviation_data, node_shear
+from punchform.export.vtp import deviation_data
 from punchform.load import Loaded
 from punchform.release import Released
+from punchform.whole import node_shear
 
 if TYPE_CHECKING:
     from punchform.run import Run

@@ -80,8 +80,7 @@ def seen(done: Run, names: Sequence[str]) -> Seen:
     accuracy = done.accuracy
     if accuracy is None:
         return Seen(found, None, ())
-    judge, mask = accuracy.judge, accuracy.mask
-    aligned = accuracy.as_held if judge.alignment == "as held" else accuracy.fitted
+    mask = accuracy.mask
     index = done.final.whole.index[mask].tolist()
-    deviations = Judged(aligned.deviations.of(judge.measure)[mask], accuracy.weights[mask])
+    deviations = Judged(accuracy.aligned.deviations.of(accuracy.judge.measure)[mask], accuracy.weights[mask])
     return Seen(found, deviations, tuple((i, j) for i, j in index))

@@ -9,7 +9,6 @@ import numpy as np
 from punchform.accuracy.weights import tributary_areas
 from punchform.arrays import Floats, Ints
 from punchform.errors import InputError
-from punchform.export.vtp import judging
 from punchform.optimise.correction_space import Space
 from punchform.punch import Revolution
 from punchform.run import Run
@@ -71,7 +70,7 @@ def misfit(run: Run, base: Revolution, space: Space) -> Misfit:
     accuracy = run.accuracy
     if accuracy is None:
         raise InputError.of("nothing is judged without a target", where="target")
-    aligned, whole, final = judging(accuracy), run.formed.whole, run.final.whole
+    aligned, whole, final = accuracy.aligned, run.formed.whole, run.final.whole
     rows = judged_rows(run)
     # A trim leaves fewer crossings than were pressed: what was cut off tells nothing.
     pressed, places = places_in(whole.flat, final.flat)[rows], final.positions[rows]

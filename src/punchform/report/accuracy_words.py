@@ -8,8 +8,9 @@ import numpy as np
 
 from punchform.accuracy import Accuracy, Statistics, deviations, statistics
 from punchform.case import HoldFrom
-from punchform.export.vtp import judging
+from punchform.export.result import largest
 from punchform.report.words import percent, size
+from punchform.wire.materials import materials
 
 if TYPE_CHECKING:
     from punchform.accuracy import Aligned
@@ -54,12 +55,25 @@ def accuracy_lead(run: Run) -> tuple[str, ...]:
 
 
 def advice(run: Run) -> tuple[str, ...]:
-    """What may be tried when the shape is out of tolerance, as far as the figures of the run suggest it."""
+    """What may be tried when the shape is out of tolerance, as far as the figures of the run suggest it.
+
+    Wires that yield come first where elastic ones carry more than wires bear; the rest goes by the share of the mean
+    square that it may take away: of a hold all that is not the same all round.
+    """
     accuracy = run.accuracy
     if accuracy is None or accuracy.within is not False:
         return ()
-    hints = _by_fit(accuracy), _by_hold(run, accuracy), _by_ribs(run, accuracy), _by_punch(run, accuracy)
-    return tuple(filter(None, hints))
+    shares = dict(makeup(accuracy.aligned))
+    even = shares.get("mean", 0.0) + shares.get("0", 0.0)
+    lobes = sum(share for name, share in shares.items() if name.isdigit() and int(name) >= 2)
+    hints = (
+        (_fitted_away(accuracy), _by_fit(accuracy)),
+        (even, _by_punch(run, accuracy, even)),
+        (lobes, _by_ribs(run, lobes)),
+        (1.0 - even, _by_hold(run, accuracy)),
+    )
+    ordered = sorted(hints, key=lambda hint: -hint[0])
+    return tuple(filter(None, (_by_wire(run, accuracy), *(words for _, words in ordered))))
 
 
 def makeup(aligned: Aligned) -> tuple[tuple[str, float], ...]:
@@ -105,7 +119,7 @@ def _against_tolerance(run: Run, accuracy: Accuracy) -> str:
 
 
 def _made_of(accuracy: Accuracy) -> str:
-    aligned = judging(accuracy)
+    aligned = accuracy.aligned
     told: list[str] = []
     sum_of_shares = 0.0
     for name, share in makeup(aligned):
@@ -143,8 +157,37 @@ def _in_the_tool(run: Run, accuracy: Accuracy) -> str:
     return f"{rms}: the error comes with the release."
 
 
+def _by_wire(run: Run, accuracy: Accuracy) -> str:
+    """Elastic wires that spring back by more than is allowed, with a stress that wires do not bear."""
+    before, most = in_the_tool(run, accuracy), largest(run.formed.whole.stress)
+    if run.formed.hardening is not None or before is None or most is None:
+        return ""
+    if before.rms > OWN * accuracy.as_held.statistics[accuracy.judge.measure].rms:
+        return ""
+    strongest = max(materials(), key=lambda one: one.tensile_strength)
+    ratio = largest(run.formed.whole.stress_ratio) or 0.0
+    if most > strongest.tensile_strength:
+        breaks = f"the strongest in `punchform materials`, {strongest.name}, breaks at "
+        why = f"no wire bears {size(most, 'MPa')} ({breaks}{size(strongest.tensile_strength, 'MPa')})"
+    elif ratio > 1:
+        why = f"{size(most, 'MPa')} are {size(ratio, '', 3)} times the yield strength"
+    else:
+        return ""
+    clamp = "" if run.case.press.rim == "clamp" else ' and clamp the rim (`press.rim = "clamp"`): stretch forming'
+    return (
+        f"Take a wire that yields: {why}, and what this elastic one stores springs back. Say how it yields "
+        f"(`wire.material` or `wire.hardening`){clamp}. What has flowed stays when the punch has gone."
+    )
+
+
+def _fitted_away(accuracy: Accuracy) -> float:
+    """The share of the mean square that the best fit takes away."""
+    left = accuracy.fitted.statistics[accuracy.judge.measure].rms
+    return 1.0 - (left / accuracy.judged.rms) ** 2
+
+
 def _by_fit(accuracy: Accuracy) -> str:
-    if judging(accuracy) is not accuracy.as_held:
+    if accuracy.aligned is not accuracy.as_held:
         return ""
     fit, measure = accuracy.fitted, accuracy.judge.measure
     left, f = fit.statistics[measure].rms, fit.fit.pose.f
@@ -179,21 +222,18 @@ def _by_hold(run: Run, accuracy: Accuracy) -> str:
     return f"Hold directions too: this hold lets the wires turn where they are held. Try {further}."
 
 
-def _by_ribs(run: Run, accuracy: Accuracy) -> str:
-    lobes = sum(share for name, share in makeup(judging(accuracy)) if name.isdigit() and int(name) >= 2)
+def _by_ribs(run: Run, lobes: float) -> str:
     if lobes < MUCH or run.case.release is None:
         return ""
     ribs = "more ribs (`release.ribs`)" if run.case.release.ribs else "ribs (`release.ribs`), a hoop or spokes,"
     return f"Lobes make {percent(lobes)} of the mean square: {ribs} would hold their heights."
 
 
-def _by_punch(run: Run, accuracy: Accuracy) -> str:
-    shares = dict(makeup(judging(accuracy)))
-    round_part = shares.get("mean", 0.0) + shares.get("0", 0.0)
-    if run.released is None or round_part < OWN or _gone(accuracy):
+def _by_punch(run: Run, accuracy: Accuracy, even: float) -> str:
+    if run.released is None or even < OWN or _gone(accuracy):
         return ""
     return (
-        f"{percent(round_part)} of the mean square is the same all round: another profile of the punch can answer that "
+        f"{percent(even)} of the mean square is the same all round: another profile of the punch can answer that "
         "part. `punchform compensate` finds it, or says why the released shape does not follow the punch."
     )
 

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from punchform.accuracy import MEASURES, Accuracy
-from punchform.antenna import SPEED_OF_LIGHT, highest_frequency, loss
 from punchform.arrays import Floats
 from punchform.export.result import largest
-from punchform.export.vtp import judging
 from punchform.report.accuracy_words import ROUNDING, in_the_tool
 from punchform.report.figures.deviation import parts_of
+from punchform.report.gain import gain_matrix
 from punchform.report.release_words import hold_words
 from punchform.report.section import Matrix, Rows, Section, Tables
 from punchform.report.words import energy, percent, size
@@ -24,12 +23,6 @@ if TYPE_CHECKING:
     from punchform.run import Run
     from punchform.solved import Solved
 
-BANDS = ((1.5, "L"), (4.0, "C"), (8.0, "X"), (12.0, "Ku"), (20.0, "K"), (30.0, "Ka"))
-"""Frequencies [GHz] at which the loss is told, and their bands."""
-LOSSES = (0.5, 1.0)
-"""Losses [dB] for which the highest frequency is told."""
-FAR = 3.0
-"""Beyond this loss [dB] the formula says no more than that it is large."""
 LEAST_SHARE = 1e-5
 """A smaller share is told as none."""
 NOTHING = 1e-9
@@ -45,7 +38,7 @@ def _accuracy(run: Run) -> tuple[Section, ...]:
     accuracy = run.accuracy
     if accuracy is None:
         return ()
-    ruze = (_ruze_matrix(accuracy),) if accuracy.target.focal_length is not None else ()
+    ruze = (gain_matrix(run.case, accuracy),) if accuracy.target.focal_length is not None else ()
     return (
         Section(
             "accuracy",
@@ -65,7 +58,7 @@ def _deviation_matrix(accuracy: Accuracy) -> Matrix:
         (aligned.name if measure == MEASURES[0] else "", measure, *_numbers(row, values))
         for (aligned, measure, _), row in zip(found, values, strict=True)
     ]
-    judged = judging(accuracy)
+    judged = accuracy.aligned
     upwards = "upwards" if accuracy.target.focal_length is None else "upwards, away from the focus"
     marked = [k for k, (one, measure, _) in enumerate(found) if one is judged and measure == accuracy.judge.measure]
     return Matrix(
@@ -103,7 +96,7 @@ def _parameter_matrix(accuracy: Accuracy) -> Matrix:
 
 
 def _parts_matrix(accuracy: Accuracy) -> tuple[Matrix, ...]:
-    aligned = judging(accuracy)
+    aligned = accuracy.aligned
     if aligned.harmonics is None:
         return ()
     names, sizes = parts_of(aligned)
@@ -124,33 +117,6 @@ def _parts_matrix(accuracy: Accuracy) -> tuple[Matrix, ...]:
             tuple(rows),
         ),
     )
-
-
-def _ruze_matrix(accuracy: Accuracy) -> Matrix:
-    """Loss of gain by the half-path σ, Eq. (9.19)."""
-    shown = (accuracy.as_held, accuracy.fitted)
-    errors = [aligned.statistics["half-path"].sigma for aligned in shown]
-    rows = [("half-path σ", *(size(error, "mm") for error in errors))]
-    rows += [(f"{f:g} GHz ({band})", *(_loss(error, f) for error in errors)) for f, band in BANDS]
-    rows += [(f"{dB:g} dB are lost at", *(_frequency(error, dB) for error in errors)) for dB in LOSSES]
-    judged = judging(accuracy)
-    return Matrix(
-        "Loss of gain after Ruze, by the weighted half-path σ",
-        ("", *(aligned.name for aligned in shown)),
-        tuple(rows),
-        note=f"The judged alignment is {judged.name}; in the best fit the feed follows the focus. The formula is for "
-        "errors without order: lobes also turn and deform the beam.",
-    )
-
-
-def _loss(error: float, frequency: float) -> str:
-    found = loss(error, SPEED_OF_LIGHT / frequency)
-    return size(found, "dB", 3) if found <= FAR else f"more than {FAR:g} dB"
-
-
-def _frequency(error: float, decibel: float) -> str:
-    found = highest_frequency(error, decibel)
-    return size(found, "GHz", 3) if math.isfinite(found) and found < 1e4 else "no frequency"
 
 
 def _judging_rows(run: Run, accuracy: Accuracy) -> Rows:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from punchform.arrays import Floats
+from punchform.export.told import told
 from punchform.load import Loaded
 from punchform.press import Formed
 from punchform.release import Released
+from punchform.report.quantities import Place, deviation_label, readings, with_unit
 
 if TYPE_CHECKING:
     from punchform.run import Done, Run
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Field:
-    """A field of a stage: values at its cells (K,), wires (M,) or crossings (N,), NaN where they are not known.
+    """A field of a stage: values at its nodes (N,), wires (M,) or cells (K,), NaN where they are not known.
 
     label: for a legend, with the unit; signed: whether zero is in the middle of the scale; force: whether it is a
     force, which at the rim is tens of times that elsewhere.
@@ -26,7 +28,7 @@ class Field:
 
     name: str
     label: str
-    on: Literal["cells", "wires", "crossings"]
+    place: Place
     values: Floats
     signed: bool = False
     force: bool = False
@@ -35,9 +37,11 @@ class Field:
 def stage_of(run: Run, stage: str) -> Done:
     """The stage of a run: "formed", "released" or "loaded", or the name of one of `run.stages`, such as "trim 1".
 
-    Raises ValueError for a stage that the run has not, with those that it has.
+    A release or a load that a later press has undone is there by its name alone, such as "release 1". Raises ValueError
+    for a stage that the run has not, with those that it has.
     """
-    known: dict[str, Done | None] = {"formed": run.formed, "released": run.released, "loaded": run.loaded}
+    left = told(run)
+    known: dict[str, Done | None] = {"formed": left.formed, "released": left.released, "loaded": left.loaded}
     known |= {one.name: one.done for one in run.stages}
     found = known.get(stage)
     if found is None:
@@ -51,27 +55,18 @@ def fields(run: Run, stage: str) -> dict[str, Field]:
     done = stage_of(run, stage)
     whole = done.whole
     found = [
-        Field("height", "height z [mm]", "crossings", whole.positions[:, 2]),
-        Field("axial_force", "axial force [N]", "wires", whole.F[:, 0], signed=True, force=True),
-        Field("stress", "largest stress in the wire [MPa]", "wires", whole.stress),
-        Field("stress_ratio", "stress / yield strength", "wires", whole.stress_ratio),
-        Field("strain", "strain of the wire by its pull [%]", "wires", 100 * whole.axial_strain, signed=True),
-        Field("energy", "elastic energy of a wire piece [mJ]", "wires", whole.energy),
+        Field(one.key, one.legend, one.place, one.of(whole), signed=one.signed, force=one.force)
+        for one in readings(yields=done.hardening is not None)
+        if isinstance(done, Formed) or not one.in_tool
     ]
-    if len(whole.cells):
-        found.insert(1, Field("shear", "shear angle |γ| [°]", "cells", np.degrees(np.abs(whole.cell_shear))))
-    if isinstance(done, Formed):
-        found.append(Field("contact", "contact force [N]", "crossings", whole.contact, signed=True, force=True))
-    if done.hardening is not None:
-        found.append(Field("plastic_strain", "plastic strain [%]", "wires", 100 * whole.plastic_strain))
     if isinstance(done, Released | Loaded):
-        found.append(Field("moved", "move [mm]", "crossings", np.linalg.norm(done.moved, axis=1)))
-    if run.accuracy is not None and done is run.final:
-        judge, aligned = run.accuracy.judge, run.accuracy
-        chosen = aligned.as_held if judge.alignment == "as held" else aligned.fitted
-        values = np.where(aligned.mask, chosen.deviations.of(judge.measure), np.nan)
-        label = f"{judge.measure} deviation, {judge.alignment} [mm]"
-        found.append(Field("deviation", label, "crossings", values, signed=True))
+        found.append(Field("moved", with_unit("move", "mm"), "node", np.linalg.norm(done.moved, axis=1)))
+    # A release is told with remarks of its own; its whole grid is the one that was judged.
+    if run.accuracy is not None and done.whole is run.final.whole:
+        judge = run.accuracy.judge
+        values = np.where(run.accuracy.mask, run.accuracy.aligned.deviations.of(judge.measure), np.nan)
+        label = with_unit(deviation_label(judge.measure, judge.alignment), "mm")
+        found.append(Field("deviation", label, "node", values, signed=True))
     return {one.name: one for one in found if np.isfinite(one.values).any()}
 
 

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from punchform.arrays import Floats
 from punchform.errors import InputError
 from punchform.export.result import all_notes, largest
+from punchform.export.told import told
 from punchform.report.accuracy_words import judgement
 from punchform.report.fields import Field, field_of, stage_of
 from punchform.report.figures.shape import draw_whole
@@ -41,6 +42,7 @@ from punchform.report.figures.style import (
     wire_width,
 )
 from punchform.report.figures.wires import draw_wires_of
+from punchform.report.quantities import strain
 from punchform.report.words import energy, percent, size
 from punchform.run import Run
 
@@ -90,10 +92,10 @@ def plot_run_3d(run: Run, field: str, stage: str, off_screen: bool) -> Any:
     pyvista: Any = import_module("pyvista")
     wires = np.column_stack((np.full(len(whole.start), 2), whole.start, whole.end))
     mesh = pyvista.PolyData(np.where(np.isfinite(whole.positions), whole.positions, 0.0), lines=wires.ravel())
-    if shown.on == "cells":
+    if shown.place == "cell":
         faces = np.column_stack((np.full(len(whole.cells), 4), whole.cells))
         mesh = pyvista.PolyData(whole.positions, faces=faces.ravel())
-    data = mesh.point_data if shown.on == "crossings" else mesh.cell_data
+    data = mesh.point_data if shown.place == "node" else mesh.cell_data
     data[shown.label] = shown.values
     plotter = pyvista.Plotter(off_screen=off_screen)
     reach = float(np.nanmax(np.abs(shown.values)))
@@ -105,7 +107,7 @@ def plot_run_3d(run: Run, field: str, stage: str, off_screen: bool) -> Any:
         clim=(least, reach if shown.signed else float(np.nanmax(shown.values))),
         line_width=3,
         scalar_bar_args={"fmt": "%.3g", "title": shown.label},
-        show_edges=shown.on == "cells",
+        show_edges=shown.place == "cell",
     )
     return plotter
 
@@ -143,23 +145,24 @@ def draw_shape_of(whole: Whole) -> Figure:
 
 
 def html_of_run(run: Run) -> str:
-    """A table of a run with its verdict, and its last shape."""
-    formed, accuracy = run.formed, run.accuracy
+    """A table of a run with its verdict, and its last shape; of what a later press has undone it says nothing."""
+    left = told(run)
+    formed, accuracy = left.formed, left.accuracy
     rows = {
         "outcome": formed.outcome.value,
         "grid": f"{formed.whole.crossings} crossings, {len(formed.whole.family)} wire pieces",
         "energy in the tool": energy(formed.energy),
         "largest shear": size(math.degrees(formed.max_shear), "°", 3),
-        "largest elongation" if formed.hardening else "largest strain": percent(formed.max_axial_strain),
+        f"largest {strain(yields=formed.hardening is not None).label}": percent(formed.max_axial_strain),
     }
     stress = largest(formed.whole.stress)
     if stress is not None:
         rows["largest stress"] = size(stress, "MPa")
-    if run.released is not None:
-        apex, lowest = size(run.released.apex, "mm", 3), size(run.released.max_sag, "mm", 3)
+    if left.released is not None:
+        apex, lowest = size(left.released.apex, "mm", 3), size(left.released.max_sag, "mm", 3)
         rows["springback"] = f"{apex} at the apex, {lowest} where it sinks most"
-    if run.loaded is not None:
-        rows["under load"] = f"{size(run.loaded.rms_deflection, 'mm', 3)} rms deflection"
+    if left.loaded is not None:
+        rows["under load"] = f"{size(left.loaded.rms_deflection, 'mm', 3)} rms deflection"
     if accuracy is not None:
         rows["accuracy"] = judgement(accuracy)
     notes = all_notes(run)
@@ -217,9 +220,9 @@ def _upwards(values: Floats) -> Normalize:
 def _drawn(run: Run, whole: Whole, shown: Field, width: float) -> tuple[Any, Any, float]:
     """Outlines, values and line width [pt] of what is known of a field."""
     known = np.isfinite(shown.values)
-    if shown.on == "cells":
+    if shown.place == "cell":
         return whole.positions[whole.cells[known]][:, :, :2], shown.values[known], 0.3
-    if shown.on == "wires":
+    if shown.place == "wire":
         ends = np.column_stack((whole.start, whole.end))[known]
         return whole.positions[ends][:, :, :2], shown.values[known], 0.6 * width
     known &= whole.between == 0

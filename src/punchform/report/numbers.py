@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from punchform.export.result import largest
+from punchform.report.quantities import strain
 from punchform.report.section import Rows, Tables
 from punchform.report.words import energy, percent, size
 
@@ -31,10 +32,7 @@ def result_rows(run: Run) -> Rows:
         ("Largest shear angle", size(math.degrees(formed.max_shear), "°", 4)),
         ("Largest draw-in of the edge", size(formed.draw_in, "mm")),
         ("Axial force in the wires", span(float(force.min()), float(force.max()), "N")),
-        (
-            "Largest elongation of a wire" if formed.hardening else "Largest strain of a wire by its pull",
-            percent(formed.max_axial_strain),
-        ),
+        (f"Largest {strain(yields=formed.hardening is not None).label}", percent(formed.max_axial_strain)),
         ("Largest stress", "not known" if stress is None else size(stress, "MPa")),
         ("Largest stress / yield strength", "not known" if ratio is None else size(ratio, "", 3)),
         ("Contact force on a node", span(float(contact.min()), float(contact.max()), "N")),

@@ -18,6 +18,7 @@ from punchform.report.figures.gallery import GALLERY, Picture
 from punchform.report.figures.wires import draw_wires
 from punchform.report.numbers import energy_rows, solve_rows, span
 from punchform.report.page import FIGURES, PAGE, render
+from punchform.report.quantities import STRAIN
 from punchform.report.section import Images, Rows
 from punchform.report.viewer import pack, scene_of_shell
 from punchform.report.words import energy, percent, place, size
@@ -119,7 +120,7 @@ def _shell_rows(done: Shell) -> Rows:
         ("Largest reaction along the ground", size(across, "N")),
         ("Reactions along z", span(float(upright.min()), float(upright.max()), "N")),
         ("Axial force in the wires", span(float(force.min()), float(force.max()), "N")),
-        ("Largest strain of a wire by its pull", percent(formed.max_axial_strain)),
+        (f"Largest {STRAIN.label}", percent(formed.max_axial_strain)),
         ("Largest stress", "not known" if stress is None else size(stress, "MPa")),
         ("Largest stress / yield strength", "not known" if ratio is None else size(ratio, "", 3)),
         ("Largest shear angle", size(math.degrees(formed.max_shear), "°", 4)),

@@ -13,6 +13,7 @@ from punchform import __version__
 from punchform.antenna import highest_frequency
 from punchform.case import Case, write_case
 from punchform.export.result import RESULT_SCHEMA, plain, result
+from punchform.report.quantities import strain
 from punchform.run import Run
 
 LOSS = 0.5
@@ -23,13 +24,15 @@ NOT_GIVEN = "not given"
 LEFT_OUT = ("schema",)
 """Keys of a case that are not told."""
 
+STRAIN = "formed.max_axial_strain"
+
 FIGURES = (
     ("formed.energy_mJ", "Elastic energy in the tool", "mJ", 1.0),
     ("formed.max_shear_deg", "Largest shear in the tool", "°", 1.0),
     ("formed.draw_in_mm", "Largest draw-in of the edge", "mm", 1.0),
     ("formed.axial_force.max_N", "Highest axial force in a wire, in the tool", "N", 1.0),
     ("formed.axial_force.min_N", "Lowest axial force in a wire (below zero: pressed)", "N", 1.0),
-    ("formed.max_axial_strain", "Largest strain along a wire, in the tool", "%", 100.0),
+    (STRAIN, "Largest {}, in the tool", "%", 100.0),
     ("formed.plastic.max_plastic_strain", "Largest plastic strain", "%", 100.0),
     ("formed.plastic.yielded_share", "Wire pieces that have yielded", "%", 100.0),
     ("formed.max_stress_MPa", "Largest stress in the tool", "MPa", 1.0),
@@ -48,7 +51,8 @@ FIGURES = (
     ("accuracy.judged_on.rms_mm", "Accuracy: rms deviation as judged", "mm", 1.0),
     ("accuracy.judged_on.tolerance_mm", "Accuracy: tolerance", "mm", 1.0),
 )
-"""Where a figure stands in result.json, what it is called, its unit, and how many of that make one of the file's."""
+"""Where a figure stands in result.json, what it is called, its unit, and how many of that make one of the file's. What
+the strain is called depends on the wires."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +98,7 @@ def sides(named: Sequence[tuple[str, Run]]) -> tuple[Side, ...]:
 def lines(runs: Sequence[Side]) -> tuple[Line, ...]:
     """The figures of the runs, those that at least one of them has."""
     told = [
-        Line(key, name, unit, tuple(_scaled(at(side.content, key), times) for side in runs))
+        Line(key, _name(key, name, runs), unit, tuple(_scaled(at(side.content, key), times) for side in runs))
         for key, name, unit, times in FIGURES
     ]
     told += [
@@ -175,6 +179,15 @@ def comparison_json(runs: Sequence[Side], words: Sequence[str], nearest: str | N
         "settings": [{"key": key, "values": values} for key, values in changed_settings(runs)],
     }
     return json.dumps(plain(content), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def _name(key: str, name: str, runs: Sequence[Side]) -> str:
+    """What a figure is called: where some wires yield and others do not, the strain has both names."""
+    if key != STRAIN:
+        return name
+    return name.format(
+        " or ".join(dict.fromkeys(strain(yields=one.run.formed.hardening is not None).label for one in runs))
+    )
 
 
 def _scaled(value: float | None, times: float) -> float | None:

@@ -11,8 +11,9 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from matplotlib.figure import Figure
 
+from punchform.antenna import leaks_above
 from punchform.export.told import compared, told
-from punchform.export.vtp import judging
+from punchform.report.accuracy_words import listed
 from punchform.report.figures.conclusions import found
 from punchform.report.figures.contact import draw_contact
 from punchform.report.figures.deviation import draw_deviation
@@ -103,14 +104,24 @@ def _figures(runs: Sequence[Side]) -> Matrix:
     ]
     judged = [len(rows) + place for place, line in enumerate(lines(runs)) if line.key == "accuracy.judged_on.rms_mm"]
     rows += [_row(line) for line in lines(runs)]
+    antenna = any(line.unit == "GHz" for line in lines(runs))
     return Matrix(
         f"Figures of result.json; differences are to {runs[0].name}",
         tuple(head),
         tuple(rows),
         tuple(judged),
-        note="All figures are of the whole grid. Of a run with stages those of its last press, release and load.",
+        note="All figures are of the whole grid. Of a run with stages those of its last press, release and load."
+        + (f" {_leaks(runs)}" if antenna else ""),
         wide=True,
     )
+
+
+def _leaks(runs: Sequence[Side]) -> str:
+    """From which frequency on the meshes of the runs leak, as a sentence."""
+    steps = dict.fromkeys(max(side.run.case.grid.step) for side in runs)
+    names = {step: listed([side.name for side in runs if max(side.run.case.grid.step) == step]) for step in steps}
+    above = [size(leaks_above(step), "GHz", 2) + (f" ({names[step]})" if len(steps) > 1 else "") for step in steps]
+    return f"The frequencies of the antenna are by the shape alone: above about {listed(above)} the mesh itself leaks."
 
 
 def _spread(cells: list[str]) -> tuple[str, ...]:
@@ -180,13 +191,13 @@ def _to(kind: Kind, reach: float, run: Run) -> Figure:
 def _reach_of_deviation(run: Run) -> float | None:
     if run.accuracy is None:
         return None
-    values = judging(run.accuracy).deviations.of(run.accuracy.judge.measure)[run.accuracy.mask]
+    values = run.accuracy.aligned.deviations.of(run.accuracy.judge.measure)[run.accuracy.mask]
     return reach_of(values, run.accuracy.judge.tolerance)
 
 
 def _deviation(run: Run, reach: float) -> Figure:
     assert run.accuracy is not None
-    return draw_deviation(run, run.accuracy, judging(run.accuracy), reach=reach)
+    return draw_deviation(run, run.accuracy, run.accuracy.aligned, reach=reach)
 
 
 def _reach_of_stress(run: Run, *, released: bool) -> float | None:

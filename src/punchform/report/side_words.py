@@ -45,7 +45,7 @@ def judged_alike(runs: Sequence[Side]) -> tuple[Judged, ...]:
     judge = known[0][1].judge
     found = []
     for side, accuracy in known:
-        aligned = accuracy.as_held if judge.alignment == "as held" else accuracy.fitted
+        aligned = accuracy.aligned_for(judge)
         found.append(Judged(side, accuracy, aligned, aligned.statistics[judge.measure].rms))
     return tuple(sorted(found, key=lambda one: one.rms))
 

@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from punchform.accuracy import Accuracy, Aligned
-from punchform.export.vtp import judging
 from punchform.report.figures.axial import draw_axial
 from punchform.report.figures.deviation import draw_deviation, draw_lobes, draw_profiles, draw_spread
 from punchform.report.figures.moves import draw_deflection, draw_mode, draw_sag
@@ -27,7 +26,7 @@ def accuracy_pictures(run: Run) -> tuple[Picture, ...]:
     accuracy = run.accuracy
     if accuracy is None:
         return ()
-    judged = judging(accuracy)
+    judged = accuracy.aligned
     other = accuracy.fitted if judged is accuracy.as_held else accuracy.as_held
     pictures = [
         Picture(
@@ -187,6 +186,6 @@ def _colours(accuracy: Accuracy) -> str:
 
 
 def _other(accuracy: Accuracy) -> str:
-    if judging(accuracy) is accuracy.as_held:
+    if accuracy.aligned is accuracy.as_held:
         return "What this map still shows cannot be mended by moving or refocusing the dish: it is an error of shape."
     return "What it shows beyond the judged map is a matter of where the dish is mounted and how deep it came out."

@@ -19,6 +19,7 @@ from punchform.report.figures.style import (
     touching,
     wire_width,
 )
+from punchform.report.quantities import AXIAL
 
 if TYPE_CHECKING:
     from punchform.run import Run
@@ -32,9 +33,10 @@ def draw_axial(run: Run, family: int, whole: Whole | None = None) -> Figure:
     """
     whole = whole or run.formed.whole
     mine = whole.family == family
-    force = whole.F[mine, 0]
+    every = AXIAL.of(whole)
+    force = every[mine]
     segments = whole.positions[np.column_stack((whole.start, whole.end))[mine]][:, :, :2]
-    scale = about_zero(whole.F[:, 0])
+    scale = about_zero(every)
     figure = new_figure(*HALF)
     axes = plan_axes(figure, points=whole.positions, rim=run.case.rim_radius)
     axes.set_facecolor(PAPER)
@@ -43,5 +45,5 @@ def draw_axial(run: Run, family: int, whole: Whole | None = None) -> Figure:
     drawn = in_colour(segments, force, scale, DIVERGING, width=wire_width(axes, apart))
     drawn.set_antialiased(not touching(axes, apart))
     axes.add_collection(drawn)
-    force_bar(figure, scale, "axial force F1 [N]   (+ tension)")
+    force_bar(figure, scale, AXIAL.signed_legend)
     return figure

@@ -11,7 +11,6 @@ import numpy as np
 
 from punchform.accuracy import Accuracy, Aligned
 from punchform.export.result import largest
-from punchform.export.vtp import judging
 from punchform.report.accuracy_words import LOBES, makeup
 from punchform.report.figures.deviation import DIRECTIONS
 from punchform.report.figures.plastic import middle_wire
@@ -191,7 +190,7 @@ def _aligned(run: Run, judged: bool) -> tuple[Accuracy, Aligned]:
     """The accuracy and the judged alignment, or the other of the two that are drawn."""
     accuracy = run.accuracy
     assert accuracy is not None
-    one = judging(accuracy)
+    one = accuracy.aligned
     return accuracy, one if judged else accuracy.fitted if one is accuracy.as_held else accuracy.as_held
 
 

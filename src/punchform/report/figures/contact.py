@@ -17,11 +17,10 @@ from punchform.report.figures.style import (
     plan_axes,
     squares,
 )
+from punchform.report.quantities import CONTACT
 
 if TYPE_CHECKING:
     from punchform.run import Run
-
-LABEL = "contact force [N]   (+ punch pushes, − held down)"
 
 
 def draw_contact(run: Run, *, reach: float | None = None) -> Figure:
@@ -34,5 +33,5 @@ def draw_contact(run: Run, *, reach: float | None = None) -> Figure:
     shown = slice(whole.crossings)
     places, force = squares(whole.positions[shown], run.case.grid.step), whole.contact[shown]
     axes.add_collection(in_colour(places, force, scale, DIVERGING, width=0.0))
-    force_bar(figure, scale, LABEL)
+    force_bar(figure, scale, CONTACT.signed_legend)
     return figure

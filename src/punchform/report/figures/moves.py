@@ -22,6 +22,7 @@ from punchform.report.figures.style import (
     plan_axes,
     squares,
 )
+from punchform.report.quantities import DEFLECTION, RISE, with_unit
 from punchform.report.words import size
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def draw_sag(run: Run, *, reach: float | None = None) -> Figure:
     ringed."""
     released = run.released
     assert released is not None
-    figure = _plan(run, released.whole, released.moved[:, 2], "vertical move by the release [mm]   (+ up)", reach)
+    figure = _plan(run, released.whole, released.moved[:, 2], f"{with_unit(RISE, 'mm')}   (+ up)", reach)
     if released.max_sag < 0:
         x, y, _ = released.whole.positions[released.lowest]
         axes = figure.axes[0]
@@ -57,7 +58,7 @@ def draw_deflection(run: Run) -> Figure:
     assert released is not None
     assert loaded is not None
     along_normal = np.sum(loaded.moved * released.whole.normals, axis=1)
-    return _plan(run, loaded.whole, along_normal, "move by the load, along the normal [mm]   (+ outwards)")
+    return _plan(run, loaded.whole, along_normal, f"{with_unit(DEFLECTION, 'mm')}   (+ outwards)")
 
 
 def draw_mode(run: Run) -> Figure:

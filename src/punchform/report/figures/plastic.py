@@ -11,6 +11,7 @@ from punchform.arrays import Floats, Ints
 from punchform.report.figures.picture import Picture
 from punchform.report.figures.stress import draw_pieces
 from punchform.report.figures.style import ACCENT, PUNCH, SOFT, TEXT, dress, new_figure
+from punchform.report.quantities import ELONGATION, PLASTIC
 
 if TYPE_CHECKING:
     from punchform.run import Run
@@ -56,13 +57,13 @@ def yielding_pictures(run: Run) -> tuple[Picture, ...]:
 def draw_elongation(run: Run) -> Figure:
     """Every element of both families coloured by its elongation, from zero."""
     whole = run.formed.whole
-    return draw_pieces(run, whole, 100.0 * whole.axial_strain, "elongation of the wire [%]")
+    return draw_pieces(run, whole, ELONGATION)
 
 
 def draw_plastic_strain(run: Run) -> Figure:
     """Every element of both families coloured by the largest plastic strain of its sections, from zero."""
     whole = run.formed.whole
-    return draw_pieces(run, whole, 100.0 * whole.plastic_strain, "largest plastic strain in the wire [%]")
+    return draw_pieces(run, whole, PLASTIC)
 
 
 def draw_along_middle(run: Run) -> Figure:

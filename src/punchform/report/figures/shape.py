@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 
 from punchform.arrays import Floats, Ints
 from punchform.report.figures.style import INK, RELIEF, TEXT, colour_bar, new_figure, round_down
+from punchform.report.quantities import HEIGHT
 
 if TYPE_CHECKING:
     from punchform.run import Run
@@ -64,7 +65,7 @@ def in_relief(drawn: Collection, points: Floats, scale: Normalize) -> Figure:
     axes = figure.add_axes((0.01, 0.01, 0.85, 0.98))
     axes.add_collection(drawn)
     frame(axes, outline)
-    colour_bar(figure, (0.875, 0.16, 0.02, 0.68), scale, RELIEF, "height z [mm]")
+    colour_bar(figure, (0.875, 0.16, 0.02, 0.68), scale, RELIEF, HEIGHT.legend)
     return figure
 
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from punchform.arrays import Floats
 from punchform.report.figures.style import (
     HALF,
     PAPER,
@@ -21,6 +20,7 @@ from punchform.report.figures.style import (
     touching,
     wire_width,
 )
+from punchform.report.quantities import STRESS, Reading
 
 if TYPE_CHECKING:
     from punchform.run import Run
@@ -33,11 +33,12 @@ def draw_stress(run: Run, whole: Whole | None = None, *, reach: float | None = N
     whole: the grid in the stage to be shown, the formed one unless given; reach: where the scale ends [MPa].
     """
     whole = whole or run.formed.whole
-    return draw_pieces(run, whole, whole.stress, "largest stress in the wire [MPa]", reach)
+    return draw_pieces(run, whole, STRESS, reach)
 
 
-def draw_pieces(run: Run, whole: Whole, values: Floats, label: str, reach: float | None = None) -> Figure:
-    """Every element of both families as a line coloured by its value (M,), from zero; without those not known."""
+def draw_pieces(run: Run, whole: Whole, shown: Reading, reach: float | None = None) -> Figure:
+    """Every element of both families as a line coloured by a quantity of wires, from zero; without those not known."""
+    values = shown.of(whole)
     known = np.isfinite(values)
     segments = whole.positions[np.column_stack((whole.start, whole.end))[known]][:, :, :2]
     scale = from_zero(values[known], reach)
@@ -51,5 +52,5 @@ def draw_pieces(run: Run, whole: Whole, values: Floats, label: str, reach: float
     drawn = in_colour(segments, values[known], scale, SEQUENTIAL, width=width)
     drawn.set_antialiased(not dense)
     axes.add_collection(drawn)
-    colour_bar(figure, PLAN_BAR, scale, SEQUENTIAL, label)
+    colour_bar(figure, PLAN_BAR, scale, SEQUENTIAL, shown.legend)
     return figure

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from punchform.export.vtp import node_shear
+from punchform.report.quantities import AXIAL, MOMENT, SHEAR
 from punchform.report.viewer.scene import Figure, Pose, Quantity, Scene, Skin
-from punchform.report.viewer.shaped import AXIAL, MOMENT, SHEAR, figures_of, places, stress_quantity, wires_in_order
+from punchform.report.viewer.shaped import coloured, figures_of, places, stress_quantity, wires_in_order
 from punchform.report.viewer.skins import punch_skin
+from punchform.whole import node_shear
 
 if TYPE_CHECKING:
     from punchform.case import Case
@@ -22,20 +23,20 @@ def scene_of_net(done: Drape) -> Scene:
     """The flat grid and the net on the punch; crossings without a place are not drawn there."""
     whole = done.formed.whole
     known = np.isfinite(whole.cell_shear)
-    shear = np.degrees(node_shear(len(whole.flat), whole.cells[known], whole.cell_shear[known]))
+    shear = node_shear(len(whole.flat), whole.cells[known], SHEAR.of(whole)[known])
     laid = Pose("on the punch", "with wires of constant length", whole.positions, (Figure(SHEAR.key, shear),))
     reach = float(np.nanmax(np.hypot(*whole.positions.T[:2])))
-    return _scene(done.case, whole, laid, (SHEAR,), (punch_skin(done.formed.surface, reach),))
+    return _scene(done.case, whole, laid, (coloured(SHEAR),), (punch_skin(done.formed.surface, reach),))
 
 
 def scene_of_shell(done: Shell) -> Scene:
     """The flat grid and the gridshell."""
     whole = done.formed.whole
-    asked = (AXIAL, MOMENT, stress_quantity(done.case.wire.yield_strength), SHEAR)
+    axial, moment, shear = (coloured(one) for one in (AXIAL, MOMENT, SHEAR))
+    asked = (axial, moment, stress_quantity(done.case.wire.yield_strength), shear)
     ends = np.column_stack((whole.start, whole.end))[wires_in_order(whole)]
-    figures = tuple(
-        one for one in figures_of(whole, places(whole, ends, whole), asked) if np.isfinite(one.values).any()
-    )
+    known = figures_of(whole, places(whole, ends, whole), asked, yields=False)
+    figures = tuple(one for one in known if np.isfinite(one.values).any())
     keys = {one.key for one in figures}
     standing = Pose("standing", "the ends of the wires are where they are held", whole.positions, figures)
     return _scene(done.case, whole, standing, tuple(one for one in asked if one.key in keys), ())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -10,25 +10,31 @@ import numpy as np
 from punchform.accuracy import Accuracy, feet
 from punchform.arrays import Floats, Ints
 from punchform.export.told import laid
-from punchform.export.vtp import judging, node_shear
-from punchform.report.release_words import hold_words
-from punchform.report.viewer.scene import Figure, Mark, Pose, Quantity, Scene, Skin
-from punchform.report.viewer.shaped import (
+from punchform.report.quantities import (
     AXIAL,
     CONTACT,
+    DEFLECTION,
     ELONGATION,
     MOMENT,
     PLASTIC,
+    RISE,
     SHEAR,
+    deviation_label,
+)
+from punchform.report.release_words import hold_words
+from punchform.report.viewer.scene import Figure, Mark, Pose, Quantity, Scene, Skin
+from punchform.report.viewer.shaped import (
     Places,
+    coloured,
     figures_of,
     places,
     stress_quantity,
+    values_of,
     wires_in_order,
 )
 from punchform.report.viewer.skins import punch_skin, target_skin
 from punchform.report.words import percent, size
-from punchform.whole import cell_shear, unfold_vectors
+from punchform.whole import cell_shear, node_shear, unfold_vectors
 
 if TYPE_CHECKING:
     from punchform.case import ReleaseCase
@@ -43,8 +49,8 @@ HELD, FIT = "deviation_held", "deviation_fit"
 NAMES = {"press": "in the tool", "release": "released", "trim": "trimmed", "load": "loaded"}
 MOST_PLACES = 240_000
 """Positions of strokes that a scene holds at most."""
-SAG = Quantity("release_moved", "vertical move by the release", "mm", "node", signed=True, note="+ up")
-DEFLECTION = Quantity("load_moved", "move by the load, along the normal", "mm", "node", signed=True, note="+ outwards")
+SAG = Quantity("release_moved", RISE, "mm", "node", signed=True, note="+ up")
+DEFLECTED = Quantity("load_moved", DEFLECTION, "mm", "node", signed=True, note="+ outwards")
 
 
 @dataclass(frozen=True)
@@ -71,6 +77,8 @@ def scene_of(run: Run, title: str | None = None) -> Scene:
         begin = len(poses) - 1 if stage.done is run.final else begin
     shown = {figure.key for pose in poses for figure in pose.figures if np.isfinite(figure.values).any()}
     quantities = tuple(one for one in asked if one.key in shown)
+    # What is known of no shape, such as the stress of a wire that is given as a matrix, is not told at all.
+    poses = [replace(pose, figures=tuple(one for one in pose.figures if one.key in shown)) for pose in poses]
     return Scene(
         title=run.case.title or "Formed grid" if title is None else title,
         index=whole.index,
@@ -93,14 +101,12 @@ def _quantities(run: Run) -> tuple[Quantity, ...]:
     strength = run.formed.hardening.yield_strength if run.formed.hardening else run.case.wire.yield_strength
     return (
         *(() if run.accuracy is None else _deviation_quantities(run.accuracy)),
-        SHEAR,
-        AXIAL,
-        MOMENT,
+        *(coloured(one) for one in (SHEAR, AXIAL, MOMENT)),
         stress_quantity(strength),
-        *((ELONGATION, PLASTIC) if yields else ()),
-        CONTACT,
+        *(coloured(one) for one in (ELONGATION, PLASTIC) if yields),
+        coloured(CONTACT),
         *((SAG,) if "release" in kinds else ()),
-        *((DEFLECTION,) if "load" in kinds else ()),
+        *((DEFLECTED,) if "load" in kinds else ()),
     )
 
 
@@ -108,15 +114,16 @@ def _deviation_quantities(accuracy: Accuracy) -> tuple[Quantity, ...]:
     """The deviation in the alignment that is judged, then that in the other."""
     judge = accuracy.judge
     marks = () if judge.tolerance is None else (Mark(-judge.tolerance, ""), Mark(judge.tolerance, "tolerance"))
-    label = f"{judge.measure} deviation from the target"
-    held = Quantity(HELD, f"{label}, as held", "mm", "node", signed=True, note="+ upwards", marks=marks)
-    fit = Quantity(FIT, f"{label}, best fit", "mm", "node", signed=True, note="+ upwards", marks=marks)
-    return (held, fit) if judge.alignment == "as held" else (fit, held)
+    held, fit = (
+        Quantity(key, deviation_label(judge.measure, how), "mm", "node", signed=True, note="+ upwards", marks=marks)
+        for key, how in ((HELD, "as held"), (FIT, "best fit"))
+    )
+    return (held, fit) if accuracy.aligned is accuracy.as_held else (fit, held)
 
 
 def _pose(run: Run, stage: Stage, last: Stage | None, at: Places, before: Pose, asked: tuple[Quantity, ...]) -> Pose:
     done = stage.done
-    figures = (*figures_of(done.whole, at, asked), *_own_figures(stage, last, at))
+    figures = (*figures_of(done.whole, at, asked, yields=done.hardening is not None), *_own_figures(stage, last, at))
     references: tuple[tuple[str, Floats], ...] = ()
     if stage.kind != "press":
         references = ((before.name, before.positions),)
@@ -162,13 +169,13 @@ def _own_figures(stage: Stage, last: Stage | None, at: Places) -> tuple[Figure, 
     """What only one kind of stage tells: the tool's forces, how far a release or a load moved the nodes."""
     match stage.kind:
         case "press":
-            return (Figure(CONTACT.key, at.of_nodes(stage.done.whole.contact)),)
+            return (Figure(CONTACT.key, values_of(CONTACT, stage.done.whole, at)),)
         case "release":
             return (Figure(SAG.key, at.of_nodes(cast("Released", stage.done).moved[:, 2])),)
         case "load":
             assert last is not None, "loads follow on a release"
             along = np.sum(cast("Loaded", stage.done).moved * last.done.whole.normals, axis=1)
-            return (Figure(DEFLECTION.key, at.of_nodes(along)),)
+            return (Figure(DEFLECTED.key, at.of_nodes(along)),)
     return ()
 
 
@@ -184,7 +191,7 @@ def _on_target(accuracy: Accuracy, whole: Whole) -> Floats:
     """The nearest points of the target (N, 3) [mm], as it is judged, to the nodes in the aperture; NaN for others."""
     nearest = np.full_like(whole.positions, np.nan)
     inside = accuracy.aperture.mask(whole.positions)
-    nearest[inside] = feet(whole.positions[inside], accuracy.target, judging(accuracy).fit.pose)
+    nearest[inside] = feet(whole.positions[inside], accuracy.target, accuracy.aligned.fit.pose)
     return nearest
 
 
@@ -204,5 +211,5 @@ def _skins(run: Run, poses: list[Pose]) -> tuple[Skin, ...]:
     skins = (punch_skin(run.formed.surface, reach),)
     if run.accuracy is None:
         return skins
-    pose = judging(run.accuracy).fit.pose
+    pose = run.accuracy.aligned.fit.pose
     return (*skins, target_skin(run.accuracy.target, pose, run.accuracy.aperture.radius))

@@ -2,49 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from punchform.arrays import Floats, Ints
 from punchform.export.told import spread
-from punchform.export.vtp import node_shear
+from punchform.report.quantities import RATIO, STRESS, Reading, readings
 from punchform.report.viewer.scene import Figure, Mark, Quantity
-from punchform.whole import places_in
+from punchform.whole import node_shear, places_in
 
 if TYPE_CHECKING:
     from punchform.whole import Whole
 
-SHEAR = Quantity(
-    "shear",
-    "shear angle",
-    "°",
-    "node",
-    signed=True,
-    note="mean of the cells around a node, + where the corner of +x and +y closes",
-)
-CONTACT = Quantity("contact_force", "contact force", "N", "node", signed=True, note="+ punch pushes, − held down")
-AXIAL = Quantity("axial_force", "axial force F1", "N", "wire", signed=True, note="+ tension")
-MOMENT = Quantity("moment", "bending moment F5, out of the surface", "N mm", "wire", signed=True)
-ELONGATION = Quantity(
-    "elongation", "elongation of the wire", "%", "wire", signed=True, note="+ longer than in the blank"
-)
-PLASTIC = Quantity("plastic_strain", "largest plastic strain in the wire", "%", "wire")
+NEAR = "mean of the cells around a node, "
+
+
+def coloured(read: Reading) -> Quantity:
+    """A quantity of a shape as the viewer shows it: that of cells at the nodes."""
+    cells = read.place == "cell"
+    return Quantity(
+        read.key,
+        read.label,
+        read.unit,
+        "wire" if read.place == "wire" else "node",
+        signed=read.signed,
+        note=(NEAR if cells else "") + read.signs,
+    )
 
 
 def stress_quantity(yield_strength: float | None) -> Quantity:
     """The largest stress in a wire piece, also over the yield strength [MPa] where that is known."""
+    stress = coloured(STRESS)
     if yield_strength is None:
-        return Quantity("stress", "largest stress in the wire", "MPa", "wire")
-    return Quantity(
-        "stress",
-        "largest stress in the wire",
-        "MPa",
-        "wire",
-        marks=(Mark(yield_strength, "yield strength"),),
-        shown_over=(yield_strength, "largest stress / yield strength"),
-    )
+        return stress
+    over = (yield_strength, RATIO.label)
+    return replace(stress, marks=(Mark(yield_strength, "yield strength"),), shown_over=over)
 
 
 @dataclass(frozen=True)
@@ -83,17 +77,18 @@ def places(laid: Whole, ends: Ints, later: Whole) -> Places:
     return Places(nodes, np.where(there, found, -1))
 
 
-def figures_of(whole: Whole, at: Places, quantities: tuple[Quantity, ...]) -> tuple[Figure, ...]:
+def figures_of(whole: Whole, at: Places, asked: tuple[Quantity, ...], *, yields: bool) -> tuple[Figure, ...]:
     """The figures of a shape that these quantities ask for, of those that are known of any shape."""
-    known = {
-        "shear": lambda: at.of_nodes(np.degrees(node_shear(len(whole.flat), whole.cells, whole.cell_shear))),
-        "axial_force": lambda: at.of_pieces(whole.F[:, 0]),
-        "moment": lambda: at.of_pieces(whole.F[:, 4]),
-        "stress": lambda: at.of_pieces(whole.stress),
-        "elongation": lambda: at.of_pieces(100.0 * whole.axial_strain),
-        "plastic_strain": lambda: at.of_pieces(100.0 * whole.plastic_strain),
-    }
-    return tuple(Figure(one.key, known[one.key]()) for one in quantities if one.key in known)
+    known = {one.key: one for one in readings(yields=yields) if not one.in_tool}
+    return tuple(Figure(one.key, values_of(known[one.key], whole, at)) for one in asked if one.key in known)
+
+
+def values_of(read: Reading, whole: Whole, at: Places) -> Floats:
+    """The values of a quantity of a later shape for the nodes (N,) or wire pieces (M,) of the laid grid."""
+    values = read.of(whole)
+    if read.place == "wire":
+        return at.of_pieces(values)
+    return at.of_nodes(node_shear(len(whole.flat), whole.cells, values) if read.place == "cell" else values)
 
 
 def _pairs(ends: Ints, count: int) -> Ints:
