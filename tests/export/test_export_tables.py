@@ -16,7 +16,7 @@ from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridRead
 from punchform.arrays import Floats
 from punchform.cli import main
 from punchform.export.csv_tables import STAGE_COLUMNS, csv_files
-from punchform.export.points import COLUMNS, normals, point_files
+from punchform.export.points import COLUMNS, normals, point_files, points_csv
 from punchform.export.shapes import shapes
 from punchform.export.vtp import vtp_files
 from punchform.export.vtu import vtu_files
@@ -230,6 +230,18 @@ def test_normals_of_the_surface_through_crossings_are_near_those_of_the_punch() 
 def test_points_without_a_target_have_no_tolerance(tmp_path: Path) -> None:
     (path,) = point_files(made("only pressed"), tmp_path)
     assert {row["tolerance"] for row in rows(path)} == {""}
+
+
+def test_cells_of_points_are_rounded_as_decimals_and_zero_has_no_sign() -> None:
+    rng = np.random.default_rng(4)
+    places = rng.normal(scale=10.0 ** rng.integers(-8, 3, (500, 3)))
+    places[:4] = [[-5e-7, 5e-7, 5.000000000000001e-7], [-0.0, 1.5e-6, 2.5e-6], [-4e-7, -6e-7, 0.5], [0.1, 1e3, 1e-9]]
+    index = np.column_stack((np.arange(500), -np.arange(500)))
+    written = points_csv(index, places, places, 0.25, ("head",)).splitlines()
+    assert written[:2] == ["# head", ",".join(COLUMNS)]
+    for line, (i, j), place in zip(written[2:], index.tolist(), places.tolist(), strict=True):
+        cells = [f"{round(cell, 6) + 0.0:.6f}" for cell in place]
+        assert line == ",".join((f"({i}:{j})", *cells, *cells, "0.25"))
 
 
 # --- all of them ------------------------------------------------------------------------------------------------

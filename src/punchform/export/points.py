@@ -13,6 +13,7 @@ from punchform.accuracy.deviation import feet
 from punchform.arrays import Floats, Ints
 from punchform.export.heading import heading
 from punchform.export.shapes import shapes
+from punchform.export.tables import formatted
 from punchform.measured import sheet
 from punchform.press import Formed
 
@@ -58,12 +59,13 @@ def point_files(run: Run, folder: Path) -> tuple[Path, ...]:
 def points_csv(index: Ints, places: Floats, upright: Floats, tolerance: float | None, head: Sequence[str]) -> str:
     """The text of a list of points (n, 3) [mm] with unit normals (n, 3), sorted by their (i, j), under comments."""
     limit = "" if tolerance is None else f"{tolerance:.{DIGITS}g}"
-    rows = [
-        f"({i}:{j}),{','.join(f'{round(cell, DIGITS) + 0.0:.{DIGITS}f}' for cell in row)},{limit}"
-        for (i, j), row in zip(index.tolist(), np.column_stack((places, upright)).tolist(), strict=True)
-    ]
     order = np.lexsort((index[:, 1], index[:, 0]))
-    return "\n".join((*(f"# {line}" for line in head), ",".join(COLUMNS), *(rows[k] for k in order), ""))
+    values = np.column_stack((places, upright))
+    # What would be written as zero is written without a sign.
+    values = np.where(np.abs(values) <= 0.5 * 10.0**-DIGITS, 0.0, values)
+    row = "(%d:%d)" + f",%.{DIGITS}f" * values.shape[1] + f",{limit}\n"
+    lines = "".join(f"# {line}\n" for line in head) + ",".join(COLUMNS) + "\n"
+    return lines + formatted(row, np.column_stack((index, values))[order])
 
 
 def normals(stage: Shaped) -> Floats:

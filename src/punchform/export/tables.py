@@ -74,13 +74,17 @@ def write_wires(path: Path, stage: Shaped) -> None:
 def rows_csv(columns: tuple[str, ...], labels: Ints, values: Floats) -> str:
     """Rows of integer labels (n, a) followed by numbers (n, b); a NaN becomes an empty cell.
 
-    Fifteen digits keep every position to 1e-12 mm. One format string over many rows is several times faster
-    than a call per cell, and + 0.0 removes the sign of a negative zero.
+    Fifteen digits keep every position to 1e-12 mm, and + 0.0 removes the sign of a negative zero.
     """
     row = ",".join(["%d"] * labels.shape[1] + ["%.15g"] * values.shape[1]) + "\n"
     cells = np.hstack((labels.astype(np.float64), values + 0.0))
-    parts = [",".join(columns) + "\n"]
-    for first in range(0, len(cells), _ROWS_AT_ONCE):
-        block = cells[first : first + _ROWS_AT_ONCE]
-        parts.append((row * len(block)) % tuple(block.ravel().tolist()))
-    return parts[0] + "".join(parts[1:]).replace("nan", "")
+    return ",".join(columns) + "\n" + formatted(row, cells).replace("nan", "")
+
+
+def formatted(row: str, cells: Floats) -> str:
+    """The rows (n, a) of numbers, each by the format `row`, which has a place for each of them and the end of its line.
+
+    One format string over many rows is several times faster than a call per cell.
+    """
+    blocks = (cells[first : first + _ROWS_AT_ONCE] for first in range(0, len(cells), _ROWS_AT_ONCE))
+    return "".join((row * len(block)) % tuple(block.ravel().tolist()) for block in blocks)
