@@ -10,11 +10,12 @@ What a fenced block is, its language says, and remarks in HTML comments above it
     text      is read by people only; under `<!-- printed -->` it is what the program above it prints
 
 `<!-- run: COMMAND -->` runs a command that the page need not show, `<!-- begins with: how_to/index.md -->` writes the
-files of that page first, `<!-- held by: tests/X.py -->` leaves a block to the test of that name, which reads the page.
+files of that page first, `<!-- held by: tests/X.py::test_name -->` leaves a block to that test, which reads the page.
 """
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 import subprocess
@@ -113,6 +114,16 @@ def _split(text: str) -> list[tuple[str, str]]:
     return [("", text[: starts[0]] if starts else text), *named]
 
 
+def reads(test: str, page: str) -> bool:
+    """Whether there is a test `tests/X.py::test_name` that names the file of the page in its own lines."""
+    file, _, name = test.partition("::")
+    if not name.startswith("test_") or not (ROOT / file).is_file():
+        return False
+    text = (ROOT / file).read_text(encoding="utf-8")
+    own = [one for one in ast.parse(text).body if isinstance(one, ast.FunctionDef) and one.name == name]
+    return any(Path(page).name in (ast.get_source_segment(text, one) or "") for one in own)
+
+
 class Folder:
     """The empty folder in which a page is executed, and what its last command gave."""
 
@@ -124,8 +135,7 @@ class Folder:
     def run(self, block: Block, page: str) -> None:
         """Execute one block; raises AssertionError where the page says something else than the program."""
         if "held by" in block.remarks:
-            test = (ROOT / block.remarks["held by"]).read_text(encoding="utf-8")
-            assert Path(page).name in test, f"{block.remarks['held by']} does not read {page}"
+            assert reads(block.remarks["held by"], page), f"{block.remarks['held by']} is no test that reads {page}"
         elif block.language == "begins with":
             for other in blocks((ROOT / "docs" / block.text).read_text(encoding="utf-8")):
                 if "file" in other.remarks:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from page_blocks import DIRECTIVES, LANGUAGES, ROOT, blocks, missing, pages, with_sections
+from page_blocks import DIRECTIVES, LANGUAGES, ROOT, blocks, missing, pages, reads, with_sections
 
 from punchform.arrays import Floats
 
@@ -287,3 +287,12 @@ def test_energy_on_a_sphere_curves_as_in_equation_4_4(seed: int) -> None:
     bent = (np.eye(3) - np.outer(normal, normal)) / radius
     _, second = derivatives(energy)
     np.testing.assert_allclose(second, y @ (H + multiplier * bent) @ y, rtol=1e-6, atol=1e-6)
+
+
+def test_a_block_is_left_only_to_a_test_that_reads_its_page() -> None:
+    own = "tests/test_stretch_forming.py"
+    assert reads(f"{own}::test_the_page_shows_the_packaged_case", "docs/stretch_forming.md")
+    assert not reads(f"{own}::test_the_page_shows_the_packaged_case", "docs/tutorial.md")
+    assert not reads(f"{own}::test_the_page", "docs/stretch_forming.md"), "there is no such test"
+    assert not reads(own, "docs/stretch_forming.md")
+    assert not reads("tests/test_gone.py::test_the_page_shows_the_packaged_case", "docs/stretch_forming.md")

@@ -6,6 +6,7 @@ import base64
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from functools import cache
 from html.parser import HTMLParser
 
@@ -17,6 +18,7 @@ from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
 
 from punchform import Drape, Run, drape, form_shell, read_case, run
+from punchform.arrays import Ints
 from punchform.case import varied
 from punchform.case.reading import case_from_text
 from punchform.errors import InputError
@@ -262,6 +264,29 @@ def test_pyvista_shows_the_field(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(notebook, "find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"pip install 'punchform\[pyvista\]'"):
         done.plot3d()
+
+
+@pytest.mark.parametrize("field", ["shape", "stress", "shear"])
+def test_what_has_no_place_is_left_out_in_space(field: str) -> None:
+    pytest.importorskip("pyvista")
+    done = elastic()
+    whole = done.formed.whole
+    node = int(whole.cells[0, 0])
+    positions = whole.positions.copy()
+    positions[node] = np.nan
+    lost = replace(done, formed=replace(done.formed, whole=replace(whole, positions=positions)))
+    plotter = lost.plot3d(field, off_screen=True)
+    mesh = plotter.meshes[0]
+    touching = (whole.cells == node).any(axis=1) if field == "shear" else (whole.start == node) | (whole.end == node)
+    assert mesh.n_cells == np.count_nonzero(~touching)
+    assert mesh.n_points == len(positions) - 1
+    assert np.isfinite(mesh.points).all()
+    corners: Ints = mesh.regular_faces if field == "shear" else mesh.lines.reshape(-1, 3)[:, 1:]
+    lengths = np.linalg.norm(np.diff(mesh.points[corners], axis=1), axis=2)
+    assert lengths.max() < 2 * max(done.case.grid.step), "no wire runs to another place"
+    if field == "stress":
+        np.testing.assert_array_equal(mesh.active_scalars, whole.stress[~touching])
+    plotter.close()
 
 
 def test_drawing_is_loaded_when_something_is_drawn() -> None:

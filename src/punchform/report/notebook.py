@@ -15,7 +15,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from punchform.arrays import Floats
+from punchform.arrays import Bools, Floats
 from punchform.errors import InputError
 from punchform.export.result import all_notes, largest
 from punchform.export.told import told
@@ -45,6 +45,7 @@ from punchform.report.figures.wires import draw_wires_of
 from punchform.report.quantities import strain
 from punchform.report.words import energy, percent, size
 from punchform.run import Run
+from punchform.whole import part_of
 
 if TYPE_CHECKING:
     from punchform.drape import Drape
@@ -54,7 +55,8 @@ if TYPE_CHECKING:
 
 SMALL = 72
 """Dots per inch of the figure in a table."""
-Rows = dict[str, str]
+Lines = dict[str, str]
+"""What a table tells, by its names."""
 
 
 def plot_run(run: Run, field: str, stage: str) -> Figure:
@@ -81,7 +83,8 @@ def plot_run(run: Run, field: str, stage: str) -> Figure:
 
 
 def plot_run_3d(run: Run, field: str, stage: str, off_screen: bool) -> Any:
-    """A PyVista plotter with the grid of a stage, its wires, cells or crossings coloured by a field.
+    """A PyVista plotter with the grid of a stage, its wires, cells or crossings coloured by a field; what has a corner
+    without a place is left out.
 
     Raises InputError where PyVista is not installed, ValueError as `plot_run` does.
     """
@@ -90,21 +93,22 @@ def plot_run_3d(run: Run, field: str, stage: str, off_screen: bool) -> Any:
     if find_spec("pyvista") is None:
         raise InputError.of("PyVista is not installed, which plot3d needs", hint="pip install 'punchform[pyvista]'")
     pyvista: Any = import_module("pyvista")
+    whole, values = _placed(whole, shown)
     wires = np.column_stack((np.full(len(whole.start), 2), whole.start, whole.end))
-    mesh = pyvista.PolyData(np.where(np.isfinite(whole.positions), whole.positions, 0.0), lines=wires.ravel())
+    mesh = pyvista.PolyData(whole.positions, lines=wires.ravel())
     if shown.place == "cell":
         faces = np.column_stack((np.full(len(whole.cells), 4), whole.cells))
         mesh = pyvista.PolyData(whole.positions, faces=faces.ravel())
     data = mesh.point_data if shown.place == "node" else mesh.cell_data
-    data[shown.label] = shown.values
+    data[shown.label] = values
     plotter = pyvista.Plotter(off_screen=off_screen)
-    reach = float(np.nanmax(np.abs(shown.values)))
-    least = -reach if shown.signed else float(np.nanmin(shown.values))
+    reach = float(np.nanmax(np.abs(values)))
+    least = -reach if shown.signed else float(np.nanmin(values))
     plotter.add_mesh(
         mesh,
         scalars=shown.label,
         cmap=DIVERGING if shown.signed else SEQUENTIAL,
-        clim=(least, reach if shown.signed else float(np.nanmax(shown.values))),
+        clim=(least, reach if shown.signed else float(np.nanmax(values))),
         line_width=3,
         scalar_bar_args={"fmt": "%.3g", "title": shown.label},
         show_edges=shown.place == "cell",
@@ -229,7 +233,18 @@ def _drawn(run: Run, whole: Whole, shown: Field, width: float) -> tuple[Any, Any
     return squares(whole.positions[known], run.case.grid.step), shown.values[known], 0.0
 
 
-def _card(title: str, rows: Rows, good: bool | None, figure: Figure) -> str:
+def _placed(whole: Whole, shown: Field) -> tuple[Whole, Floats]:
+    """The part of a grid whose nodes have a place, and the values of a field there."""
+    nodes: Bools = np.asarray(np.isfinite(whole.positions).all(axis=1))
+    kept = {
+        "node": nodes,
+        "wire": nodes[whole.start] & nodes[whole.end],
+        "cell": nodes[whole.cells].all(axis=1),
+    }
+    return part_of(whole, nodes), shown.values[kept[shown.place]]
+
+
+def _card(title: str, rows: Lines, good: bool | None, figure: Figure) -> str:
     """A table beside a figure. Its text has the colour of the notebook, dark or light; the figure brings its paper."""
     verdict = {None: "", True: "✔ ", False: "✘ "}[good]
     lines = "".join(
