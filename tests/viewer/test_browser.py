@@ -484,6 +484,21 @@ def test_viewers_side_by_side_follow_each_other(show: Opener) -> None:
     assert tab.said == []
 
 
+def test_three_viewers_side_by_side_leave_no_hole(show: Opener) -> None:
+    tab = show("dish", "shallow", "stretched", viewport={"width": 1100, "height": 800})
+    tops = "[...document.querySelectorAll('.pf-scenes > div')].map(one => one.getBoundingClientRect().top)"
+    assert len(set(tab.page.evaluate(tops))) == 1
+
+
+def test_the_punch_is_said_to_have_stood_where_it_has_gone(show: Opener) -> None:
+    tab = show()
+    for pose, label in (("in the tool", "Punch"), ("released", "Punch (where it stood)")):
+        tab.page.get_by_role("button", name=pose, exact=True).click()
+        tab.page.get_by_label(label, exact=True).uncheck()
+        assert not tab.js("viewer.skins[0][1].object.visible")
+        tab.page.get_by_label(label, exact=True).check()
+
+
 def test_strokes_are_on_the_slider_and_not_among_the_buttons(show: Opener) -> None:
     tab = show("stretched")
     assert tab.page.locator(".pf-chip").all_inner_texts() == ["flat", "in the tool", "released"]

@@ -25,9 +25,9 @@ export function controls(scene, ask, act) {
     pose.stroke ? null : element("button", { type: "button", class: "pf-chip", onclick: () => ask({ time: number }) }, pose.name));
   const said = element("p", { class: "pf-caption", "aria-live": "polite" });
   const shown = [
-    ...scene.skins.map((skin) => [skin.key, capital(skin.label)]),
+    ...scene.skins.map((skin) => [skin.key, capital(skin.label), skin]),
     ...[1, 2].filter((family) => scene.family.includes(family)).map((family) => [`family${family}`, `Wires along ${"xy"[family - 1]}`]),
-  ].map(([key, label]) => [key, check(label, "", (on) => ask({ show: { [key]: on } }))]);
+  ].map(([key, label, skin]) => [key, check(label, "", (on) => ask({ show: { [key]: on } })), skin]);
   const quarter = check("Quarter", "only x, y from 0 upwards", (on) => ask({ quarter: on }));
   const names = [...new Set(scene.poses.flatMap((pose) => [...pose.references.keys()]))];
   const reference = element("select", { "aria-label": "Moves from", onchange: () => ask({ reference: reference.value }) },
@@ -58,6 +58,8 @@ export function controls(scene, ask, act) {
       slider.setAttribute("aria-valuetext", caption(scene, state));
       chips.forEach((chip, number) => chip?.setAttribute("aria-pressed", String(state.time === number)));
       for (const [key, made] of shown) made.box.checked = state.show[key];
+      const there = scene.poses[Math.round(state.time)].tool;
+      for (const [, made, skin] of shown) if (skin?.falls) made.name.textContent = `${capital(skin.label)}${there ? "" : " (where it stood)"}`;
       quarter.box.checked = state.quarter;
       reference.value = state.reference;
       times.max = offered.length - 1;
@@ -91,7 +93,8 @@ function caught(time) {
 
 function check(label, title, changed) {
   const box = element("input", { type: "checkbox", onchange: () => changed(box.checked) });
-  return { box, root: element("label", { class: "pf-check", title: title || null }, box, ` ${label}`) };
+  const name = element("span", {}, label);
+  return { box, name, root: element("label", { class: "pf-check", title: title || null }, box, name) };
 }
 
 const capital = (text) => text[0].toUpperCase() + text.slice(1);
