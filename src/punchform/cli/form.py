@@ -64,6 +64,7 @@ def summary(done: Run, folder: Path) -> str:
         **_strain(formed),
         "largest stress": _stress(formed),
         "draw-in": f"{formed.draw_in:.3g} mm",
+        "press force": f"{formed.push:.4g} N along the axis",
         **_holder(formed),
         **after(done),
         "report": str(folder / "report.html"),
