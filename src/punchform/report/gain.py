@@ -51,6 +51,7 @@ def gain_matrix(case: Case, accuracy: Accuracy) -> Matrix:
         f"above about {size(limit, 'GHz', 2)}, where the wires are more than a tenth of a wavelength apart, the mesh "
         "itself leaks. The last column is for a perfect mesh whose wires touch. Ruze's formula is for errors without "
         "order; lobes also turn and deform the beam.",
+        wide=True,
     )
 
 
