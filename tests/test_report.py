@@ -205,7 +205,7 @@ def test_the_verdict_on_contact_names_the_ring_that_must_be_held() -> None:
     low, high = (float(text) for text in re.findall(r"(\d+)\u00a0mm", verdict(run)[5])[-2:])
     assert low < 0.85 * 345 < high
     pushed = replace(run.formed.whole, contact=np.abs(run.formed.whole.contact))
-    assert "nothing has to hold it down" in verdict(replace(run, formed=replace(run.formed, whole=pushed)))[5]
+    assert "nothing has to hold the grid down" in verdict(replace(run, formed=replace(run.formed, whole=pushed)))[5]
 
 
 @pytest.mark.parametrize(

@@ -18,12 +18,13 @@ from matplotlib.patches import Rectangle
 from punchform.antenna import SPEED_OF_LIGHT, highest_frequency, leak, leaks_above, loss
 from punchform.arrays import Floats
 from punchform.case import ReleaseCase
+from punchform.progress import Progress
 from punchform.report.accuracy_words import accuracy_lead, advice, judgement, makeup
 from punchform.report.after import after_sections
 from punchform.report.figures.deviation import draw_lobes, draw_spread, parts_of
 from punchform.report.figures.gallery import gallery
 from punchform.report.gain import gain_matrix
-from punchform.report.page import is_good, spoken, write_report
+from punchform.report.page import draw_figures, is_good, spoken, write_report
 from punchform.report.release_words import hold_words, load_words, release_words
 from punchform.report.section import Matrix
 from punchform.report.viewer import Packed
@@ -356,6 +357,13 @@ def test_the_page_leads_with_the_verdict_and_escapes_what_it_is_told(
     assert text.index('id="deflection"') < text.index('id="numbers"') < text.index('id="shape"')
     assert 'class="verdict open"' in text
     assert text.count('class="marked"') == 1
+
+
+def test_the_figures_are_counted_while_they_are_drawn(tmp_path: Path) -> None:
+    told: list[Progress] = []
+    images = draw_figures(gone(even, step=90.0), tmp_path, observe=told.append)
+    assert [event.done for event in told] == list(range(len(images) + 1))
+    assert {(event.stage, event.total, event.message) for event in told} == {("figures", len(images), "")}
 
 
 def test_settings_are_set_as_code_and_all_else_is_escaped() -> None:

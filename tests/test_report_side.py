@@ -121,7 +121,10 @@ def test_why_the_farther_run_is_farther() -> None:
     """Parts of the difference of two mean squares add up to it; the largest is told."""
     runs = tuple(Side(name, one, {}) for name, one in (("near", moved(-2.0)), ("far", moved(-6.0))))
     words = " ".join(comparison_words(runs))
-    share = re.search(r"mean square of far is larger than that of near, ([\d.]+)\u00a0% is the even offset", words)
+    share = re.search(
+        r"sets far behind near \(the difference of the squares of their rms\), ([\d.]+)\u00a0% is the even offset",
+        words,
+    )
     assert share is not None
     assert float(share[1]) == pytest.approx(98, abs=2)
     assert "Within tolerance: near. Out of tolerance: far." in words

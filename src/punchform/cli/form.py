@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -42,7 +43,7 @@ def form(path: str, output: str, *, overwrite: bool, voice: Voice, as_json: bool
         except InputError as error:
             raise source.placed(error) from None
         talk.begin(WRITING)
-        folder = write_run(done, output, overwrite=overwrite, extras=(write_report,))
+        folder = write_run(done, output, overwrite=overwrite, extras=(partial(write_report, observe=talk),))
     notes(all_notes(done), voice)
     print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else summary(done, folder))
     if not done.formed.outcome.usable:
@@ -64,6 +65,7 @@ def summary(done: Run, folder: Path) -> str:
         **_strain(formed),
         "largest stress": _stress(formed),
         "draw-in": f"{formed.draw_in:.3g} mm",
+        "press force": f"{formed.push:.4g} N along the axis",
         **_holder(formed),
         **after(done),
         "report": str(folder / "report.html"),

@@ -85,7 +85,7 @@ class Talk:
         if event.total is not None and self._bars is not None:
             self._bars.tell(event, known=known)
         if event.step >= 0:
-            self.show(progress_line(event))
+            self.show(f"{event.stage}: step {event.step}")
         elif event.message:
             say(event.message)
         if self._voice is Voice.VERBOSE:

@@ -10,7 +10,7 @@ import numpy as np
 from punchform.accuracy import MEASURES, Accuracy
 from punchform.arrays import Floats
 from punchform.export.result import largest
-from punchform.report.accuracy_words import ROUNDING, in_the_tool
+from punchform.report.accuracy_words import LOBES, ROUNDING, in_the_tool, listed
 from punchform.report.figures.deviation import parts_of
 from punchform.report.gain import gain_matrix
 from punchform.report.release_words import hold_words
@@ -23,6 +23,14 @@ if TYPE_CHECKING:
     from punchform.run import Run
     from punchform.solved import Solved
 
+PARTS = {
+    "mean": "even offset (mean)",
+    "0": "depth wrong all round (m = 0)",
+    "1": "tilt or sideways shift (m = 1)",
+    "2": "saddle (m = 2)",
+    "rest": "finer ripple (rest)",
+}
+"""What the parts of a deviation are called; the others are lobes."""
 LEAST_SHARE = 1e-5
 """A smaller share is told as none."""
 NOTHING = 1e-9
@@ -66,7 +74,19 @@ def _deviation_matrix(accuracy: Accuracy) -> Matrix:
         ("alignment", "measure", "rms", "mean", "σ", "min", "max", "P95"),
         tuple(rows),
         tuple(marked),
+        note=f"The rms is held against the tolerance. {_alignments(accuracy)} σ is the rms about the mean; P95 is the "
+        "size that 95 % of the weighted area stays within.",
     )
+
+
+def _alignments(accuracy: Accuracy) -> str:
+    """What each alignment may move, in words."""
+    told = ["As held is the part where it was let go"]
+    for aligned in accuracy.alignments[1:]:
+        moves = ["moved sideways, raised and tilted" if "u" in aligned.fit.free else "raised and tilted"]
+        moves += ["given another focal length"] if "f" in aligned.fit.free else []
+        told.append(f"{aligned.name} is the best fit of a target that may be {listed(moves)}")
+    return f"{'; '.join(told)}."
 
 
 def _parameter_matrix(accuracy: Accuracy) -> Matrix:
@@ -92,6 +112,8 @@ def _parameter_matrix(accuracy: Accuracy) -> Matrix:
         f"What the best fits moved (least rms of the {accuracy.fit_measure} deviation)",
         ("", *(aligned.name for aligned in fits)),
         tuple(rows),
+        note="To reach the best fit, mounting and feed have to follow by these moves. The larger the condition of the "
+        "fit, the more two of the moves do the same: then do not take them one by one.",
     )
 
 
@@ -103,7 +125,7 @@ def _parts_matrix(accuracy: Accuracy) -> tuple[Matrix, ...]:
     square, variance = float(np.sum(sizes**2)) or 1.0, float(np.sum(sizes[1:] ** 2)) or 1.0
     rows = [
         (
-            name if name in ("mean", "rest") else f"m = {name}",
+            PARTS.get(name, f"{LOBES.get(name, name)} lobes (m = {name})"),
             _numbers(sizes[k : k + 1], sizes)[0],
             _share(sizes[k] ** 2 / square),
             "" if name == "mean" else _share(sizes[k] ** 2 / variance),
@@ -115,6 +137,8 @@ def _parts_matrix(accuracy: Accuracy) -> tuple[Matrix, ...]:
             f"What the {accuracy.judge.measure} deviation is made of, {aligned.name}",
             ("part", "rms [mm]", "of the mean square", "of the variance"),
             tuple(rows),
+            note="The largest share is what to mend first: an even offset by the mounting, a wrong depth by the "
+            "profile of the punch, lobes by what holds the mesh. m counts the lobes around the axis.",
         ),
     )
 

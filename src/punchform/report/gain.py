@@ -47,9 +47,10 @@ def gain_matrix(case: Case, accuracy: Accuracy) -> Matrix:
         tuple(rows),
         note=f"It is judged {accuracy.aligned.name}; in the best fit the feed follows the focus. σ is how "
         "far the paths of the rays scatter about their mean, halved. The losses after Ruze are by the shape alone: "
-        f"above about {size(limit, 'GHz', 2)}, where the wires are more than a tenth of a wavelength apart, the mesh itself "
-        "leaks. The last column is for a perfect mesh whose wires touch. Ruze's formula is for errors without order: "
-        "lobes also turn and deform the beam.",
+        f"above about {size(limit, 'GHz', 2)}, where the wires are more than a tenth of a wavelength apart, the mesh "
+        "itself leaks. The last column is for a perfect mesh whose wires touch. Ruze's formula is for errors without "
+        "order; lobes also turn and deform the beam.",
+        wide=True,
     )
 
 

@@ -36,7 +36,7 @@ def result_rows(run: Run) -> Rows:
         ("Largest stress", "not known" if stress is None else size(stress, "MPa")),
         ("Largest stress / yield strength", "not known" if ratio is None else size(ratio, "", 3)),
         ("Contact force on a node", span(float(contact.min()), float(contact.max()), "N")),
-        ("Downward force of the punch", size(formed.push, "N")),
+        ("Press force along the axis", size(formed.push, "N")),
         *_holder_rows(run),
     )
 

@@ -17,6 +17,7 @@ from punchform import __version__
 from punchform.case import write_case
 from punchform.export.result import all_notes
 from punchform.export.told import compared, told
+from punchform.progress import Observer, Progress, silent
 from punchform.report.accuracy_words import accuracy_lead, advice
 from punchform.report.after import after_sections
 from punchform.report.figures.conclusions import found
@@ -44,22 +45,31 @@ AFTER = ("accuracy", "released", "loaded")
 """Sections whose pictures compare the grid in the tool with what is left of it."""
 
 
-def write_report(run: Run, folder: Path) -> None:
-    """Write `folder`/figures/*.png and *.svg, and `folder`/report.html. Raises OSError when the disk refuses."""
-    images = draw_figures(run, folder / FIGURES)
+def write_report(run: Run, folder: Path, *, observe: Observer = silent) -> None:
+    """Write `folder`/figures/*.png and *.svg, and `folder`/report.html. Raises OSError when the disk refuses.
+
+    observe: hears of every figure that is drawn.
+    """
+    images = draw_figures(run, folder / FIGURES, observe=observe)
     (folder / PAGE).write_text(page(run, images), encoding="utf-8", newline="\n")
 
 
-def draw_figures(run: Run, folder: Path) -> Images:
-    """Draw every figure of the run into a folder, made if need be; each with the file that shows it."""
+def draw_figures(run: Run, folder: Path, *, observe: Observer = silent) -> Images:
+    """Draw every figure of the run into a folder, made if need be; each with the file that shows it.
+
+    observe: hears how many of them are drawn.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     drawn = []
     shown, left = told(run), compared(run)
-    for picture in gallery(shown):
+    pictures = gallery(shown)
+    for number, picture in enumerate(pictures):
+        observe(Progress(FIGURES, done=number, total=len(pictures)))
         path = folder / f"{picture.name}.png"
         of = left if picture.section in AFTER else shown
         save(picture.draw(of), path)
         drawn.append((replace(picture, found=found(picture.name, of)), path))
+    observe(Progress(FIGURES, done=len(pictures), total=len(pictures)))
     return tuple(drawn)
 
 

@@ -37,7 +37,7 @@ FIGURES = (
     ("formed.plastic.yielded_share", "Wire pieces that have yielded", "%", 100.0),
     ("formed.max_stress_MPa", "Largest stress in the tool", "MPa", 1.0),
     ("formed.max_stress_ratio", "Largest stress in the tool / yield strength", "", 1.0),
-    ("formed.contact.push_N", "Downward force of the punch", "N", 1.0),
+    ("formed.contact.push_N", "Press force along the axis", "N", 1.0),
     ("formed.contact.max_N", "Highest contact force on a crossing", "N", 1.0),
     ("formed.contact.min_N", "Lowest contact force (below zero: held down)", "N", 1.0),
     ("released.energy_mJ", "Elastic energy after the release", "mJ", 1.0),

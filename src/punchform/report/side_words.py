@@ -147,7 +147,7 @@ def _reasons(found: Sequence[Judged]) -> tuple[str, ...]:
         name = max(parts, key=lambda one: parts[one])
         what = PARTS.get(name, f"are its {LOBES.get(name, name)} lobes (m = {name})")
         told.append(
-            f"Of what the mean square of {far.side.name} is larger than that of {near.side.name}, "
+            f"Of what sets {far.side.name} behind {near.side.name} (the difference of the squares of their rms), "
             f"{_share(parts[name] / more)} {what}."
         )
     tools = [in_the_tool(compared(one.side.run), one.accuracy) for one in (near, far)]

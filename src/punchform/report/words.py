@@ -50,7 +50,7 @@ def tiles(run: Run) -> tuple[tuple[str, str], ...]:
         ("largest shear", size(math.degrees(formed.max_shear), "°", 3)),
         ("draw-in of the edge", size(formed.draw_in, "mm", 3)),
         *((("largest stress", size(stress, "MPa", 3)),) if stress is not None else ()),
-        ("downward force of the punch", size(formed.push, "N", 3)),
+        ("press force along the axis", size(formed.push, "N", 3)),
     )
 
 
@@ -190,13 +190,14 @@ def _flowed(formed: Formed) -> str:
 def _contact(formed: Formed) -> str:
     force, radius = formed.whole.contact, radii(formed.whole.positions)
     pushed, held = float(force[force > 0].sum()), -float(force[force < 0].sum())
+    press = f"The press needs {size(formed.push, 'N', 3)} along the axis"
     if held <= FAINT * pushed:
-        return f"The punch pushes the grid with {size(pushed, 'N', 3)} in all; nothing has to hold it down."
+        return f"{press}; nothing has to hold the grid down."
     order = np.argsort(radius)
     share = np.cumsum(np.maximum(-force[order], 0.0)) / held
     low, high = radius[order][np.searchsorted(share, (0.05, 0.95))]
     return (
-        f"The punch pushes with {size(pushed, 'N', 3)} in all, but in places the grid would lift off: "
-        f"an upper tool or the rim has to hold it down there with {size(held, 'N', 3)} in all, "
-        f"nine tenths of it between {place(low)} and {place(high)} from the axis."
+        f"{press}. In places the grid would lift off: an upper tool or the rim has to hold it down there with "
+        f"{size(held, 'N', 3)} in all, square to the surface, nine tenths of it between {place(low)} and "
+        f"{place(high)} from the axis."
     )

@@ -182,7 +182,7 @@ def _colours(accuracy: Accuracy) -> str:
     signs = f"Colour is the {accuracy.judge.measure} deviation: red lies above the target, blue below."
     if accuracy.judge.tolerance is None:
         return signs
-    return f"{signs} Green is within ±{size(accuracy.judge.tolerance, 'mm', 3)}."
+    return f"{signs} Green, within the line, is ±{size(accuracy.judge.tolerance, 'mm', 3)}."
 
 
 def _other(accuracy: Accuracy) -> str:

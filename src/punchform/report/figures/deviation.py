@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
 
 from punchform.accuracy import Accuracy, Aligned
-from punchform.arrays import Floats
+from punchform.arrays import Floats, Ints
 from punchform.report.figures.measured import GOOD, deviation_colours
 from punchform.report.figures.sections import along, near_section
 from punchform.report.figures.style import (
@@ -40,7 +42,7 @@ SEEN = 0.005
 
 
 def draw_deviation(run: Run, accuracy: Accuracy, aligned: Aligned, *, reach: float | None = None) -> Figure:
-    """Every judged crossing as a square coloured by its deviation, within the tolerance green; the others pale.
+    """Every judged crossing as a square coloured by its deviation, in the tolerance green and outlined; others pale.
 
     reach: where the scale ends [mm], when figures have it in common.
     """
@@ -55,6 +57,8 @@ def draw_deviation(run: Run, accuracy: Accuracy, aligned: Aligned, *, reach: flo
     axes.add_collection(in_colour(others, np.zeros(len(others)), Normalize(-1, 1), _one(PALE), width=0.0))
     scale, colours = deviation_colours(values[mask], accuracy.judge.tolerance, reach)
     axes.add_collection(in_colour(squares(whole.positions[mask], step), values[mask], scale, colours, width=0.0))
+    if accuracy.judge.tolerance is not None:
+        _outline(axes, whole.positions, whole.cells[mask[whole.cells].all(axis=1)], values, accuracy.judge.tolerance)
     angle = np.linspace(0, 2 * np.pi, 181)
     for radius in (accuracy.aperture.inner_radius, accuracy.aperture.radius):
         axes.plot(radius * np.cos(angle), radius * np.sin(angle), color=INK, linewidth=0.6, zorder=3)
@@ -152,6 +156,17 @@ def parts_of(aligned: Aligned) -> tuple[list[str], Floats]:
     return ["mean", *(f"{part.m}" for part in found.parts), "rest"], np.concatenate(([abs(found.mean)], sizes))
 
 
+def _outline(axes: Axes, positions: Floats, cells: Ints, values: Floats, tolerance: float) -> None:
+    """Lines where the values (N,) at the corners of the cells (K, 4) pass the tolerance, upwards and downwards."""
+    if not len(cells):
+        return
+    low, high = float(values[cells].min()), float(values[cells].max())
+    levels = [level for level in (-tolerance, tolerance) if low < level < high]
+    if levels:
+        halves = Triangulation(*positions[:, :2].T, np.concatenate((cells[:, :3], cells[:, [0, 2, 3]])))
+        axes.tricontour(halves, values, levels=levels, colors=INK, linewidths=0.9, linestyles="-", zorder=3)
+
+
 def _side_by_side(place: Floats, positions: Floats, values: Floats, degrees: float) -> tuple[Floats, Floats]:
     """Formed place along the section and mean value of the nodes side by side, in order.
 
@@ -187,5 +202,7 @@ def _bar(figure: Figure, scale: Normalize, colours: Colormap, accuracy: Accuracy
         ticks |= {-tolerance, tolerance}
     ticks |= {sign * reach / 2 for sign in (-1, 1) if tolerance is None or abs(reach / 2 - tolerance) > 0.12 * reach}
     shown = sorted(ticks)
-    axes.set_yticks(shown, [f"{tick:+.3g}".replace("-", "−") if tick else "0" for tick in shown])
+    # A band too narrow for two ticks is told at its middle.
+    middle = "0" if tolerance is None or tolerance > 0.06 * reach else f"±{tolerance:.3g}"
+    axes.set_yticks(shown, [f"{tick:+.3g}".replace("-", "−") if tick else middle for tick in shown])
     axes.minorticks_off()
