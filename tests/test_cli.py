@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tiny_dish
 
 from punchform import __version__
 from punchform.case import packaged_text
@@ -452,3 +453,26 @@ def test_a_fault_of_the_program_is_not_taken_for_an_answer(
     assert "Traceback" not in said
     assert main(["check", "packaged:check", "--verbose"]) == 70
     assert "Traceback" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("problem", "code"), [(KeyError("stress"), 70), (KeyboardInterrupt(), 130)])
+def test_a_report_that_fails_or_is_stopped_leaves_the_run(
+    problem: BaseException,
+    code: int,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def broken(run: object, folder: Path, *, observe: object) -> None:
+        (folder / "figures").mkdir()
+        raise problem
+
+    case, folder = tmp_path / "dish.toml", tmp_path / "dish"
+    case.write_text(tiny_dish.TEXT, encoding="utf-8")
+    with monkeypatch.context() as patch:
+        patch.setattr("punchform.cli.drawing.write_report", broken)
+        assert main(["form", str(case), "-o", str(folder)]) == code
+    assert f"`punchform report {folder}` draws it" in capsys.readouterr().err
+    assert {path.name for path in folder.iterdir()}.isdisjoint({"report.html", "figures"})
+    assert main(["report", str(folder)]) == 0
+    assert (folder / "report.html").is_file()

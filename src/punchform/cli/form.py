@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from punchform.case import parse, read_text
+from punchform.cli.drawing import Drawing
 from punchform.cli.exits import Exit
 from punchform.cli.shell import form_gridshell
 from punchform.cli.talk import WRITING, Talk, notes, say
@@ -17,7 +17,6 @@ from punchform.export.result import all_notes, largest
 from punchform.export.told import told
 from punchform.press import Formed
 from punchform.report.accuracy_words import judgement
-from punchform.report.page import write_report
 from punchform.run import Run, run
 from punchform.store import RESULT, check_folder, write_run
 
@@ -43,7 +42,9 @@ def form(path: str, output: str, *, overwrite: bool, voice: Voice, as_json: bool
         except InputError as error:
             raise source.placed(error) from None
         talk.begin(WRITING)
-        folder = write_run(done, output, overwrite=overwrite, extras=(partial(write_report, observe=talk),))
+        drawing = Drawing(talk)
+        folder = write_run(done, output, overwrite=overwrite, extras=(drawing,))
+    drawing.settle(folder)
     notes(all_notes(done), voice)
     print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else summary(done, folder))
     if not done.formed.outcome.usable:
