@@ -27,7 +27,7 @@ def test_grasp_has_the_surfaces_that_the_other_formats_show(name: str, tmp_path:
 @every_run
 def test_decks_are_of_a_release_that_no_press_has_undone(name: str, tmp_path: Path) -> None:
     run = made(name)
-    written = [path.name for path in write_decks(run, tmp_path)]
+    written = [path.name for path in write_decks(run, tmp_path) if path.suffix == ".inp"]
     assert written == ([SPRINGBACK, RELEASED] if "released" in shapes(run) else [FORMED])
     text = (tmp_path / written[-1]).read_text(encoding="utf-8")
     first, last = "*NODE, NSET=ALL\n", "\n*MATERIAL"

@@ -65,7 +65,7 @@ def points_csv(index: Ints, places: Floats, upright: Floats, tolerance: float | 
     values = np.where(np.abs(values) <= 0.5 * 10.0**-DIGITS, 0.0, values)
     row = "(%d:%d)" + f",%.{DIGITS}f" * values.shape[1] + f",{limit}\n"
     lines = "".join(f"# {line}\n" for line in head) + ",".join(COLUMNS) + "\n"
-    return lines + formatted(row, np.column_stack((index, values))[order])
+    return lines + formatted(row, np.column_stack((index.astype(np.float64), values))[order])
 
 
 def normals(stage: Shaped) -> Floats:
