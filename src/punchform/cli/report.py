@@ -11,8 +11,8 @@ from punchform.cli.exits import Exit
 from punchform.cli.talk import say
 from punchform.cli.voice import Voice
 from punchform.errors import InputError
-from punchform.report.page import FIGURES, PAGE, write_report
-from punchform.report.shell import write_shell_report
+from punchform.report.page import FIGURES, PAGE, page_alone, write_report
+from punchform.report.shell import shell_page_alone, write_shell_report
 from punchform.report.side_by_side import Side, comparison_json, sides
 from punchform.report.side_page import comparison_page, table_lines
 from punchform.report.side_words import comparison_words, nearest
@@ -48,26 +48,30 @@ def _one(name: str, folder: Path, target: Path | None, *, voice: Voice, as_json:
     done = load(name)
     if voice is not Voice.QUIET:
         say(f"drawing the report of {done.case.title or folder.name}")
+    if target is None:
+        _into(done, folder)
+    else:
+        _write(target, shell_page_alone(done) if isinstance(done, Shell) else page_alone(done), str(target))
+    where = folder / PAGE if target is None else target
+    print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else f"report: {where}")
+    return Exit.DONE
+
+
+def _into(done: Run | Shell, folder: Path) -> None:
+    """Put the report with its figures into the folder of the run, once it has been drawn elsewhere."""
     with TemporaryDirectory() as aside:
         new = Path(aside)
         if isinstance(done, Shell):
             write_shell_report(done, new)
         else:
             write_report(done, new)
-        page = (new / PAGE).read_text(encoding="utf-8")
-        if target is not None:
-            _write(target, page, str(target))
-        else:
-            try:
-                (folder / FIGURES).mkdir(exist_ok=True)
-                for figure in sorted((new / FIGURES).iterdir()):
-                    (folder / FIGURES / figure.name).write_bytes(figure.read_bytes())
-            except OSError as problem:
-                raise _unwritten(problem, str(folder)) from problem
-            _write(folder / PAGE, page, str(folder))
-    where = folder / PAGE if target is None else target
-    print((folder / RESULT).read_text(encoding="utf-8").rstrip() if as_json else f"report: {where}")
-    return Exit.DONE
+        try:
+            (folder / FIGURES).mkdir(exist_ok=True)
+            for figure in sorted((new / FIGURES).iterdir()):
+                (folder / FIGURES / figure.name).write_bytes(figure.read_bytes())
+        except OSError as problem:
+            raise _unwritten(problem, str(folder)) from problem
+        _write(folder / PAGE, (new / PAGE).read_text(encoding="utf-8"), str(folder))
 
 
 def _summary(found: Sequence[Side], words: Sequence[str], target: Path | None) -> str:

@@ -14,7 +14,7 @@ from punchform.arrays import Bools, Floats, Ints
 from punchform.net import anywhere, geodesic, kernel, straightest
 from punchform.net.chain import Chain, chain
 from punchform.net.compiled import is_cached
-from punchform.net.fate import BEYOND, NO_INTERSECTION, PLACED
+from punchform.net.fate import BEYOND, NO_INTERSECTION, PLACED, UNPLACED
 from punchform.punch import Surface
 
 
@@ -134,7 +134,9 @@ def quadrant_between(
     """The net between two wires (n, 3), (m, 3) that begin in the same node, where `wanted` (n, m)."""
     n, m = wanted.shape
     made = Quadrant(
-        np.full((n, m, 3), np.nan), np.full((max(n - 1, 0), max(m - 1, 0)), np.nan), np.zeros((n, m), dtype=np.int64)
+        np.full((n, m, 3), np.nan),
+        np.full((max(n - 1, 0), max(m - 1, 0)), np.nan),
+        np.full((n, m), UNPLACED, dtype=np.int64),
     )
     for edge, fate, wire, asked in (
         (made.positions[:, 0], made.fate[:, 0], first, wanted[:, 0]),

@@ -11,7 +11,7 @@ import numpy as np
 from punchform.arrays import Bools, Floats, Ints
 from punchform.errors import InputError
 from punchform.grid import Grid
-from punchform.net.fate import PLACED
+from punchform.net.fate import PLACED, UNPLACED
 from punchform.net.ground import Ground, Quadrant, ground, quadrant_between
 from punchform.net.words import notes_on
 from punchform.punch import Surface
@@ -144,7 +144,7 @@ def _from_geodesics(grid: Grid, surface: Surface, on: Ground, origin: tuple[floa
         for sign in (1, -1)
     }
     cells = cells_of(grid)
-    positions, fate = np.full((grid.nodes, 3), np.nan), np.zeros(grid.nodes, dtype=np.int64)
+    positions, fate = np.full((grid.nodes, 3), np.nan), np.full(grid.nodes, UNPLACED, dtype=np.int64)
     shear = np.full(len(cells), np.nan)
     for sx in (1, -1):
         for sy in (1, -1):

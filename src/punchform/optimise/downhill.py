@@ -14,8 +14,6 @@ APART = 2e-4
 """How far neighbours are for differences, in ranges: figures are exact to more digits than that loses."""
 ENOUGH = 1e-6
 """Change of the objective, as a part of its first value, that ends the search."""
-NORMS = ("rms", "gain_loss")
-"""Figures with a kink at their zero, or none: the square of an rms is as smooth as what it is made of."""
 BAD = 10.0
 BOTTOM = "no way further down"
 """How a search downhill ends that has found a minimum."""

@@ -16,7 +16,15 @@ if TYPE_CHECKING:
     from punchform.accuracy import Aligned
     from punchform.run import Run
 
-LOBES = {"3": "three", "4": "four", "5": "five", "6": "six", "7": "seven", "8": "eight"}
+PARTS = {
+    "mean": "an even offset",
+    "rest": "ripple finer than these parts",
+    "0": "an error of the profile that is the same all round (m = 0)",
+    "1": "a tilt or a sideways shift (m = 1)",
+    "2": "a saddle (m = 2)",
+}
+"""What a part of a deviation is called, by its name in `makeup`; the others are lobes."""
+LOBES = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six", 7: "seven", 8: "eight"}
 TOLD = 0.9
 """Parts are told until they make this share of the mean square,"""
 MOST_PARTS = 3
@@ -134,15 +142,19 @@ def _part_words(name: str, aligned: Aligned) -> str:
     if name == "mean":
         mean = 0.0 if aligned.harmonics is None else aligned.harmonics.mean
         return (
-            f"is an even offset (it lies {size(abs(mean), 'mm', 3)} too {'high' if mean > 0 else 'low'} on the average)"
+            f"is {PARTS[name]} (it lies {size(abs(mean), 'mm', 3)} too {'high' if mean > 0 else 'low'} on the average)"
         )
-    if name == "rest":
-        return "is ripple finer than these parts"
-    return {
-        "0": "is an error of the profile, the same all round (m = 0)",
-        "1": "is a tilt or a sideways shift (m = 1)",
-        "2": "is a saddle (m = 2)",
-    }.get(name, f"makes {LOBES.get(name, name)} lobes (m = {name})")
+    return f"is {PARTS[name]}" if name in PARTS else f"makes {lobes(int(name))}"
+
+
+def part(name: str) -> str:
+    """What a part of a deviation is called, by its name in `makeup`."""
+    return PARTS[name] if name in PARTS else lobes(int(name))
+
+
+def lobes(m: int) -> str:
+    """So many lobes around the axis, in words."""
+    return f"{LOBES.get(m, m)} lobes (m = {m})"
 
 
 def _in_the_tool(run: Run, accuracy: Accuracy) -> str:

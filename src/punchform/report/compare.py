@@ -13,13 +13,13 @@ from matplotlib.figure import Figure
 from punchform.arrays import Floats
 from punchform.export.compare import COMPARISON, POINTS
 from punchform.report.figures.files import save
-from punchform.report.figures.gallery import Picture
 from punchform.report.figures.measured import (
     draw_call_outs,
     draw_deviation_map,
     draw_histogram,
     draw_prediction_map,
 )
+from punchform.report.figures.picture import Picture
 from punchform.report.page import FIGURES, PAGE, render
 from punchform.report.section import Rows
 from punchform.report.words import percent, size

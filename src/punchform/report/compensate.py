@@ -20,7 +20,7 @@ from punchform.report.figures.compensation import (
     draw_sections,
 )
 from punchform.report.figures.files import save
-from punchform.report.figures.gallery import Picture
+from punchform.report.figures.picture import Picture
 from punchform.report.page import FIGURES, PAGE, render
 from punchform.report.section import Images, Matrix, Rows, Section
 from punchform.report.words import size

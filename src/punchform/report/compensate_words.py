@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from punchform.optimise.compensation import Ending
 from punchform.optimise.remedies import Name, Remedy, remedies_of
-from punchform.report.accuracy_words import LOBES
+from punchform.report.accuracy_words import lobes
 from punchform.report.words import percent, size
 
 if TYPE_CHECKING:
@@ -209,7 +209,7 @@ def _lobes(reach: Reach) -> str:
 def _shape(m: int) -> str:
     if m == 0:
         return "the same all round"
-    return f"in {'two' if m == 2 else LOBES.get(str(m), str(m))} lobes (m = {m})"
+    return f"in {lobes(m)}"
 
 
 def _better_punch(done: Compensated) -> str:

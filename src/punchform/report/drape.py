@@ -14,7 +14,8 @@ from punchform.drape import Drape, Draped, placed
 from punchform.export.drape import LENGTHS, OUTLINE, reached_nodes
 from punchform.report.figures.conclusions import found
 from punchform.report.figures.files import save
-from punchform.report.figures.gallery import GALLERY, Picture
+from punchform.report.figures.gallery import GALLERY
+from punchform.report.figures.picture import Picture
 from punchform.report.page import FIGURES, PAGE, render
 from punchform.report.section import Rows
 from punchform.report.viewer import pack, scene_of_net

@@ -5,13 +5,16 @@ from __future__ import annotations
 
 import platform
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
+from matplotlib.figure import Figure
 
 from punchform import __version__
 from punchform.case import write_case
@@ -21,12 +24,11 @@ from punchform.progress import Observer, Progress, silent
 from punchform.report.accuracy_words import accuracy_lead, advice
 from punchform.report.after import after_sections
 from punchform.report.figures.conclusions import found
-from punchform.report.figures.files import address, save
+from punchform.report.figures.files import address, save, save_for_page
 from punchform.report.figures.gallery import gallery
 from punchform.report.numbers import energy_rows, grid_rows, result_rows, solve_rows, stroke_tables
 from punchform.report.release_words import load_words, release_words
-from punchform.report.section import Images, Section, Tables
-from punchform.report.section import Rows as Rows
+from punchform.report.section import Images, Rows, Section, Tables
 from punchform.report.stages import stage_sections
 from punchform.report.viewer import Packed, pack, program, scene_of, style
 from punchform.report.words import tiles, verdict
@@ -54,10 +56,18 @@ def write_report(run: Run, folder: Path, *, observe: Observer = silent) -> None:
     (folder / PAGE).write_text(page(run, images), encoding="utf-8", newline="\n")
 
 
-def draw_figures(run: Run, folder: Path, *, observe: Observer = silent) -> Images:
+def page_alone(run: Run) -> str:
+    """The HTML of the report of a run, without files beside it."""
+    with TemporaryDirectory() as aside:
+        return page(run, draw_figures(run, Path(aside), save_for_page))
+
+
+def draw_figures(
+    run: Run, folder: Path, keep: Callable[[Figure, Path], None] = save, *, observe: Observer = silent
+) -> Images:
     """Draw every figure of the run into a folder, made if need be; each with the file that shows it.
 
-    observe: hears how many of them are drawn.
+    keep: how a figure becomes files; observe: hears how many of them are drawn.
     """
     folder.mkdir(parents=True, exist_ok=True)
     drawn = []
@@ -67,7 +77,7 @@ def draw_figures(run: Run, folder: Path, *, observe: Observer = silent) -> Image
         observe(Progress(FIGURES, done=number, total=len(pictures)))
         path = folder / f"{picture.name}.png"
         of = left if picture.section in AFTER else shown
-        save(picture.draw(of), path)
+        keep(picture.draw(of), path)
         drawn.append((replace(picture, found=found(picture.name, of)), path))
     observe(Progress(FIGURES, done=len(pictures), total=len(pictures)))
     return tuple(drawn)

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from punchform.case import Case
 from punchform.export.result import largest
 from punchform.gridshell import Gridshell
 from punchform.report.figures.conclusions import found
-from punchform.report.figures.files import save
-from punchform.report.figures.gallery import GALLERY, Picture
+from punchform.report.figures.files import save, save_for_page
+from punchform.report.figures.gallery import GALLERY
+from punchform.report.figures.picture import Picture
 from punchform.report.figures.wires import draw_wires
 from punchform.report.numbers import energy_rows, solve_rows, span
 from punchform.report.page import FIGURES, PAGE, render
@@ -52,7 +56,18 @@ class _View:
 
 def write_shell_report(done: Shell, folder: Path) -> None:
     """Write `folder`/figures/*.png and `folder`/report.html. Raises OSError when the disk refuses."""
-    html = render(
+    (folder / FIGURES).mkdir(parents=True, exist_ok=True)
+    (folder / PAGE).write_text(_page(done, _draw(done, folder / FIGURES, save)), encoding="utf-8", newline="\n")
+
+
+def shell_page_alone(done: Shell) -> str:
+    """The HTML of the report of a gridshell, without files beside it."""
+    with TemporaryDirectory() as aside:
+        return _page(done, _draw(done, Path(aside), save_for_page))
+
+
+def _page(done: Shell, images: Images) -> str:
+    return render(
         done.case,
         subtitle="A flat grid of wires whose ends are moved to given points: an elastic gridshell",
         good=done.formed.outcome.name == "CONVERGED",
@@ -60,16 +75,14 @@ def write_shell_report(done: Shell, folder: Path) -> None:
         results=(("Gridshell", _shell_rows(done)), ("Grid", _grid_rows(done))),
         details_title="Energy and solve",
         details=(("Where the energy is", energy_rows(done.formed)), ("Solve", solve_rows(done.formed))),
-        images=_draw(done, folder / FIGURES),
+        images=images,
         scenes=(pack(scene_of_shell(done)),),
         notes=done.formed.notes,
         beside="nodes.csv and wires.csv (tables), shape.vtp (for ParaView), result.json, case.toml",
     )
-    (folder / PAGE).write_text(html, encoding="utf-8", newline="\n")
 
 
-def _draw(done: Shell, folder: Path) -> Images:
-    folder.mkdir(parents=True, exist_ok=True)
+def _draw(done: Shell, folder: Path, keep: Callable[[Figure, Path], None]) -> Images:
     whole = done.formed.whole
     missing = set() if np.isfinite(whole.stress).any() else {"stress"}
     others = [
@@ -81,7 +94,7 @@ def _draw(done: Shell, folder: Path) -> Images:
     drawn = []
     for picture in (SHAPE, *others):
         path = folder / f"{picture.name}.png"
-        save(picture.draw(view), path)
+        keep(picture.draw(view), path)
         drawn.append((replace(picture, found=found(picture.name, view)), path))
     return tuple(drawn)
 

@@ -17,7 +17,7 @@ from punchform.report.accuracy_words import listed
 from punchform.report.figures.conclusions import found
 from punchform.report.figures.contact import draw_contact
 from punchform.report.figures.deviation import draw_deviation
-from punchform.report.figures.files import save
+from punchform.report.figures.files import save_for_page
 from punchform.report.figures.measured import reach_of
 from punchform.report.figures.moves import draw_sag
 from punchform.report.figures.picture import Picture
@@ -178,7 +178,7 @@ def _draw(runs: Sequence[Side], folder: Path) -> Images:
             if reach is None:
                 continue
             path = folder / f"{kind.name}_{number}.png"
-            save(kind.draw(run, most), path)
+            save_for_page(kind.draw(run, most), path)
             picture = Picture(path.stem, side.name, kind.caption, partial(_to, kind, most), section=kind.name)
             drawn.append((replace(picture, found=found(kind.name, run)), path))
     return tuple(drawn)

@@ -8,7 +8,7 @@ from typing import cast
 
 from punchform.accuracy import Accuracy, Aligned, Measure
 from punchform.export.told import compared
-from punchform.report.accuracy_words import LOBES, ROUNDING, in_the_tool, listed, makeup
+from punchform.report.accuracy_words import PARTS, ROUNDING, in_the_tool, listed, lobes, makeup
 from punchform.report.side_by_side import Side, changed_settings, settings
 from punchform.report.words import percent, size
 
@@ -18,13 +18,6 @@ OF_THE_TOOL = 0.5
 """The tool is told of when its part of the difference in mean square is larger than this."""
 TOLD = 6
 """So many settings that differ are named."""
-PARTS = {
-    "mean": "is the even offset",
-    "rest": "is ripple",
-    "0": "is the error of the profile that is the same all round (m = 0)",
-    "1": "is the tilt or sideways shift (m = 1)",
-    "2": "is the saddle (m = 2)",
-}
 
 
 @dataclass(frozen=True)
@@ -145,7 +138,7 @@ def _reasons(found: Sequence[Judged]) -> tuple[str, ...]:
     }
     if parts and makeup(near.aligned):
         name = max(parts, key=lambda one: parts[one])
-        what = PARTS.get(name, f"are its {LOBES.get(name, name)} lobes (m = {name})")
+        what = f"is {PARTS[name]}" if name in PARTS else f"are its {lobes(int(name))}"
         told.append(
             f"Of what sets {far.side.name} behind {near.side.name} (the difference of the squares of their rms), "
             f"{_share(parts[name] / more)} {what}."

@@ -11,7 +11,7 @@ import numpy as np
 
 from punchform.accuracy import Accuracy, Aligned
 from punchform.export.result import largest
-from punchform.report.accuracy_words import LOBES, makeup
+from punchform.report.accuracy_words import makeup, part
 from punchform.report.figures.deviation import DIRECTIONS
 from punchform.report.figures.plastic import middle_wire
 from punchform.report.figures.sections import near_section
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from punchform.run import Run
     from punchform.whole import Whole
 
-PARTS = {"mean": "an even offset", "rest": "fine ripple", "0": "the profile (m = 0)", "1": "a tilt or shift (m = 1)"}
 TOLD_PARTS = 3
 LEAST = 0.01
 """A part of less than this share of the mean square is not told."""
@@ -121,11 +120,7 @@ def _profiles(run: Run) -> str:
 
 def _lobes(run: Run) -> str:
     _, aligned = _aligned(run, judged=True)
-    told = [
-        f"{percent(share)} {PARTS.get(name, f'{LOBES.get(name, name)} lobes (m = {name})')}"
-        for name, share in makeup(aligned)[:TOLD_PARTS]
-        if share >= LEAST
-    ]
+    told = [f"{percent(share)} {part(name)}" for name, share in makeup(aligned)[:TOLD_PARTS] if share >= LEAST]
     return f"Of the mean square, {', '.join(told)}." if told else ""
 
 

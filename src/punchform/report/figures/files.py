@@ -40,6 +40,11 @@ PLAIN = "!$&'()*+,-./:;=?@[]_~ <>{}|^"
 def save(figure: Figure, path: Path) -> None:
     """Write a figure as PNG at `path` and as SVG beside it. Raises OSError when the disk refuses."""
     path.write_bytes(png(figure))
+    save_for_page(figure, path)
+
+
+def save_for_page(figure: Figure, path: Path) -> None:
+    """Write a figure as SVG beside `path`, which is all that a page reads. Raises OSError when the disk refuses."""
     path.with_suffix(".svg").write_text(svg(figure), encoding="utf-8", newline="\n")
 
 
@@ -71,7 +76,7 @@ def svg(figure: Figure) -> str:
 
 
 def address(path: Path) -> str:
-    """The data address of a figure that `save` wrote to this path, for the source of an image."""
+    """The data address of a figure that was saved to this path, for the source of an image."""
     return "data:image/svg+xml," + quote(path.with_suffix(".svg").read_text(encoding="utf-8"), safe=PLAIN)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from punchform.report.figures.after import accuracy_pictures, loaded_pictures, released_pictures
 from punchform.report.figures.axial import draw_axial
 from punchform.report.figures.contact import draw_contact
-from punchform.report.figures.picture import Picture as Picture
+from punchform.report.figures.picture import Picture
 from punchform.report.figures.plastic import yielding_pictures
 from punchform.report.figures.progress import draw_progress
 from punchform.report.figures.sections import draw_sections
