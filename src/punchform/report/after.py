@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from punchform.run import Run
     from punchform.solved import Solved
 
-PARTS = {
+ROWS = {
     "mean": "even offset (mean)",
     "0": "depth wrong all round (m = 0)",
     "1": "tilt or sideways shift (m = 1)",
     "2": "saddle (m = 2)",
     "rest": "finer ripple (rest)",
 }
-"""What the parts of a deviation are called; the others are lobes."""
+"""What the parts of a deviation are called in a row of a table, shorter than in a sentence; the others are lobes."""
 LEAST_SHARE = 1e-5
 """A smaller share is told as none."""
 NOTHING = 1e-9
@@ -125,7 +125,7 @@ def _parts_matrix(accuracy: Accuracy) -> tuple[Matrix, ...]:
     square, variance = float(np.sum(sizes**2)) or 1.0, float(np.sum(sizes[1:] ** 2)) or 1.0
     rows = [
         (
-            PARTS.get(name, f"{LOBES.get(name, name)} lobes (m = {name})"),
+            ROWS[name] if name in ROWS else (f"{LOBES.get(int(name), name)} lobes (m = {name})"),
             _numbers(sizes[k : k + 1], sizes)[0],
             _share(sizes[k] ** 2 / square),
             "" if name == "mean" else _share(sizes[k] ** 2 / variance),
