@@ -11,6 +11,7 @@ from punchform.accuracy import Measure
 from punchform.antenna import loss
 from punchform.case import Case
 from punchform.errors import InputError
+from punchform.export.told import told
 from punchform.forces import wire_mass
 from punchform.run import Run
 from punchform.wire import pieces, stiffness
@@ -112,23 +113,28 @@ def _largest_stress_ratio(run: Run) -> float | None:
 
 
 def _apex(run: Run) -> float | None:
-    return None if run.released is None else run.released.apex
+    released = told(run).released
+    return None if released is None else released.apex
 
 
 def _sag(run: Run) -> float | None:
-    return None if run.released is None else run.released.max_sag
+    released = told(run).released
+    return None if released is None else released.max_sag
 
 
 def _held(run: Run) -> float | None:
-    return None if run.released is None else run.released.hold.count
+    released = told(run).released
+    return None if released is None else released.hold.count
 
 
 def _compliance(run: Run) -> float | None:
-    return None if run.loaded is None else run.loaded.compliance
+    loaded = told(run).loaded
+    return None if loaded is None else loaded.compliance
 
 
 def _deflection(run: Run) -> float | None:
-    return None if run.loaded is None else run.loaded.rms_deflection
+    loaded = told(run).loaded
+    return None if loaded is None else loaded.rms_deflection
 
 
 _ALL = (
