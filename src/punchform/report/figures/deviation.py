@@ -163,7 +163,8 @@ def _outline(axes: Axes, positions: Floats, cells: Ints, values: Floats, toleran
     low, high = float(values[cells].min()), float(values[cells].max())
     levels = [level for level in (-tolerance, tolerance) if low < level < high]
     if levels:
-        halves = Triangulation(positions[:, 0], positions[:, 1], np.concatenate((cells[:, :3], cells[:, [0, 2, 3]])))
+        x, y, _ = positions.T
+        halves = Triangulation(x, y, np.concatenate((cells[:, :3], cells[:, [0, 2, 3]])))
         axes.tricontour(halves, values, levels=levels, colors=INK, linewidths=0.9, linestyles="-", zorder=3)
 
 
