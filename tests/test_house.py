@@ -102,3 +102,11 @@ def test_one_version_everywhere() -> None:
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     assert 'dynamic = ["version"]' in project
     assert 'path = "src/punchform/__init__.py"' in project
+
+
+def test_the_map_of_rooms_names_every_module() -> None:
+    told = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    package = ROOT / "src" / "punchform"
+    rooms = {path.name for path in package.glob("*.py")} | {path.parent.name for path in package.glob("*/__init__.py")}
+    unnamed = {room for room in rooms if f"`{room}`" not in told and f"`{room.removesuffix('.py')}`" not in told}
+    assert unnamed <= {"__init__.py", "__main__.py"}
