@@ -59,7 +59,7 @@ def test_help_tells_commands_and_exit_codes(capsys: pytest.CaptureFixture[str]) 
 
 
 def test_exit_codes_are_what_scripts_rely_on() -> None:
-    assert [code.value for code in Exit] == [0, 1, 2, 3, 130, 143]
+    assert [code.value for code in Exit] == [0, 1, 2, 3, 70, 130, 143]
 
 
 @pytest.mark.parametrize("arguments", [["frm"], ["form", "packaged:check"], ["check"], ["about", "--x"]])

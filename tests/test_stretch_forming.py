@@ -314,4 +314,4 @@ def test_what_a_run_says_of_its_wires() -> None:
     )
     loose = made(hold='"nothing"').released
     assert loose is not None
-    assert any("judge its shape after a best fit" in note for note in loose.notes)
+    assert any("its shape is what a best fit says" in note for note in loose.notes)

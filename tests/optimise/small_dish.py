@@ -35,7 +35,7 @@ CHANGES: dict[str, dict[str, object]] = {
     "clamped": {"press.rim": "clamp"},
     "welded": {"grid.crossing": "welded"},
     "crossing springs, best fit": {"grid.crossing": {"stiffness": 200.0}, "target.alignment": "best fit"},
-    "kinematics of the paper": {"press.kinematics": "differences", "press.offset": "lower"},
+    "kinematics of the paper": {"press.kinematics": "differences"},
     "lifted hoop": {**HOOP, "release.ribs": [{"radius": "30 mm", "lift": "0.4 mm"}]},
     "hoop at a height": {**HOOP, "release.ribs": [{"radius": "30 mm", "height": "12 mm"}]},
     "polynomial, axial": {

@@ -156,6 +156,7 @@ def test_reasons_against_tangents() -> None:
         ({"press.pull": ("1 N", "1 N")}, "pull"),
         ({"press.hold": {"force_per_length": "0.1 N/mm", "friction": 0.2}, "press.frame": "auto"}, "holder"),
         ({"release.hold": {"points": 2, "radius": "40 mm"}, "grid.symmetry": "full"}, "free to move"),
+        ({"press.kinematics": "differences", "press.offset": "lower"}, "middle of its wires"),
     ):
         case = varied(DISH.model_copy(update={"load": None}), changes)
         assert words_ in why_not(run(case)), changes

@@ -96,6 +96,8 @@ def why_not(run: Run, ready: Prepared | None = None) -> str:
         return "the grid goes through stages other than one press, one release and one load"
     if any(stage.settings != getattr(case, stage.kind) for stage in run.stages):
         return "a stage has settings of its own"
+    if run.accuracy is not None and run.accuracy.surface.offset:
+        return "the shape is judged by the middle of its wires, which lies above its nodes and moves with the wire"
     if released is not None and not released.hold.count and case.wire.yields:
         return "nothing holds the released grid, which keeps what has flowed and may lie anywhere"
     if released is not None and released.grid.nodes != run.formed.grid.nodes:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from punchform.accuracy import Accuracy, Statistics, deviations, statistics
+from punchform.accuracy import Accuracy, Statistics, deviations, offset, statistics
 from punchform.case import HoldFrom
 from punchform.export.result import largest
 from punchform.report.words import percent, size
@@ -106,7 +106,10 @@ def in_the_tool(run: Run, accuracy: Accuracy) -> Statistics | None:
     if run.released is None:
         return None
     mask = accuracy.mask
-    found = deviations(run.formed.whole.positions[mask], accuracy.target)
+    points = run.formed.whole.positions[mask]
+    if accuracy.surface.offset:
+        points = offset(points, accuracy.target, accuracy.surface.offset)
+    found = deviations(points, accuracy.target)
     return statistics(found.of(accuracy.judge.measure), accuracy.weights[mask])
 
 
