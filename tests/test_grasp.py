@@ -224,3 +224,19 @@ def test_a_shape_that_heights_cannot_show_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="too steep or too rough"):
         write_grasp(replace(done, formed=formed), tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+def test_the_target_has_heights_in_the_corners_too(tmp_path: Path) -> None:
+    """A cone ends at its base; beyond the rim it is written as if it went on."""
+    cone = 'profile = { kind = "cone", half_angle = "70 deg", nose_radius = "20 mm" }\naperture_radius'
+    text = tiny_dish.TEXT.replace('profile = { kind = "paraboloid", focal_length = "60 mm" }\naperture_radius', cone)
+    done = run(case_from_text(text))
+    assert done.accuracy is not None
+    target = done.accuracy.target
+    assert not np.isfinite(target.shape(target.pose).height(np.array([[60.0, 60.0]]))).all()
+    write_grasp(done, tmp_path)
+    read = read_sfc((tmp_path / "target.sfc").read_text())
+    assert np.isfinite(read.z).all()
+    # Along the diagonal the flank of the cone goes on as a straight line to the corner.
+    diagonal = np.diag(read.z)
+    np.testing.assert_allclose(np.diff(diagonal[-6:], 2), 0.0, atol=1e-5)

@@ -7,7 +7,7 @@ GRASP reads a reflector in the frame of its vertex, whose z axis points to the f
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,6 +29,8 @@ FINER = 2.0
 """How many times finer than the wires the grid of a surface is."""
 ROUGH = 0.1
 """Crossings this far from the heights that are written, as a part of the step, are not what they show."""
+NEAR = 1e-3
+"""The part of the radius from the rim inwards that tells how a surface ends there."""
 SHOWN = ("formed", "released")
 """Shapes of which there is a surface."""
 CORNERS = 360
@@ -105,8 +107,22 @@ def surfaces(run: Run, target: Target | None) -> list[Surface]:
             )
     if target is not None:
         shape = target.shape(target.pose)
-        below = shape.height_at_axis - shape.height(places * FLIP[:2])
+        below = shape.height_at_axis - _wherever(shape.height, places * FLIP[:2], radius)
         found.append(Surface("target", below.reshape(count, count), radius))
+    return found
+
+
+def _wherever(height: Callable[[Floats], Floats], places: Floats, radius: float) -> Floats:
+    """Heights (n,) at places (n, 2); beyond the rim, where a surface may have none, straight on as it ends there.
+
+    The corners of a grid want a number, though no reflector reaches them.
+    """
+    found = height(places)
+    gone = ~np.isfinite(found)
+    away = np.linalg.norm(places[gone], axis=1)
+    outwards = places[gone] / away[:, None]
+    edge, before = (height(share * radius * outwards) for share in (1.0, 1.0 - NEAR))
+    found[gone] = edge + (edge - before) * (away / radius - 1.0) / NEAR
     return found
 
 
