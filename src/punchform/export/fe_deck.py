@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from punchform.arrays import Floats, Ints
-from punchform.case import CrossingSpring, PressCase
+from punchform.case import CrossingSpring
 from punchform.errors import InputError
 from punchform.export.beam_stress import square, stresses
 from punchform.export.beams import beams
@@ -25,6 +25,7 @@ from punchform.mechanics.bars import Bars
 from punchform.mechanics.end_loads import end_loads
 from punchform.prepare import prepare
 from punchform.release import Released
+from punchform.run import formed_with
 from punchform.solved import Shaped, bars_of
 from punchform.whole import Whole, spread_over, unfold_loads, unfold_vectors
 from punchform.wire import Element
@@ -60,16 +61,11 @@ def write_decks(run: Run, folder: Path) -> tuple[Path, ...]:
     """
     _refuse(run)
     last = _last_release(run)
-    settings = [
-        stage.settings
-        for stage in run.stages[: None if last is None else last]
-        if isinstance(stage.settings, PressCase)
-    ]
     elements = prepare(run.case).elements
     subdivide = run.case.grid.subdivide
     wires = _Wires(
         elements,
-        bars_of(elements, run.case.framed(settings[-1])),
+        bars_of(elements, run.case.framed(formed_with(run.stages[:last]))),
         run.case.grid.crossing == "welded",
         BEAMS if subdivide == 1 else 1,
     )
