@@ -81,48 +81,32 @@ def evaluated(
 ) -> tuple[Evaluation, ...]:
     """Every distinct design, in order, with its table in the folder; what its record holds already is not computed
     again; places: the settings that have columns. Ctrl-C leaves a folder from which the same command goes on."""
-    from punchform.optimise.evaluations import recorded
-    from punchform.optimise.sweep_folder import RECORD
-
-    try:
-        return _evaluated(case, designs, folder, asked, workers, voice, places, parquet)
-    except KeyboardInterrupt:
-        say(f"note: {len(recorded(folder / RECORD))} of {len(designs)} designs are done")
-        raise
-
-
-def _evaluated(
-    case: Case,
-    designs: Sequence[Mapping[str, Any]],
-    folder: Path,
-    asked: Request,
-    workers: Workers,
-    voice: Voice,
-    places: Sequence[str],
-    parquet: bool,
-) -> tuple[Evaluation, ...]:
-    from punchform.optimise.evaluations import Record
+    from punchform.optimise.evaluations import Record, recorded
     from punchform.optimise.sweep import sweep
     from punchform.optimise.sweep_folder import RECORD, write_state
     from punchform.optimise.tabulating import PARQUET, TABLE, GrowingTable
 
-    keys: list[str] = []
-    done: dict[str, Evaluation] = {}
-    with Record(folder / RECORD) as record, GrowingTable(folder / TABLE, case, places, record) as table:
-        known = {evaluation.key for evaluation in record}
-        with _Telling(len(designs), workers.count, voice) as telling:
-            for evaluation in sweep(case, designs, executor=workers, record=record, keys=keys):
-                done[evaluation.key] = evaluation
-                if evaluation.key not in known:
-                    table.add(evaluation)
-                telling.tell(len(done), failed=evaluation.failed, known=evaluation.key in known)
-        everything = tuple(done[key] for key in keys)
-        table.ordered(everything)
-        if parquet:
-            table.write_parquet(folder / PARQUET, everything)
-        failed = sum(evaluation.failed for evaluation in everything)
-        write_state(folder, asked, {"designs": len(everything), "failed": failed})
-    return everything
+    try:
+        keys: list[str] = []
+        done: dict[str, Evaluation] = {}
+        with Record(folder / RECORD) as record, GrowingTable(folder / TABLE, case, places, record) as table:
+            known = {evaluation.key for evaluation in record}
+            with _Telling(len(designs), workers.count, voice) as telling:
+                for evaluation in sweep(case, designs, executor=workers, record=record, keys=keys):
+                    done[evaluation.key] = evaluation
+                    if evaluation.key not in known:
+                        table.add(evaluation)
+                    telling.tell(len(done), failed=evaluation.failed, known=evaluation.key in known)
+            everything = tuple(done[key] for key in keys)
+            table.ordered(everything)
+            if parquet:
+                table.write_parquet(folder / PARQUET, everything)
+            failed = sum(evaluation.failed for evaluation in everything)
+            write_state(folder, asked, {"designs": len(everything), "failed": failed})
+        return everything
+    except KeyboardInterrupt:
+        say(f"note: {len(recorded(folder / RECORD))} of {len(designs)} designs are done")
+        raise
 
 
 class _Telling:
